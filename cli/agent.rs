@@ -1,10 +1,11 @@
 //! `msk agent`: what `msk train` has made, shown and written for other programs.
 
-use crate::error::{Context, Error};
+use crate::error::Error;
+use crate::output;
 use clap::Subcommand;
 use msk::compiler::numbers::for_people;
 use msk::train::Agent;
-use std::fs;
+use msk_storage::printable;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -55,9 +56,15 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         Action::Show { agent } => {
             let agent = Agent::read(&agent)?;
             let known = &agent.description;
-            writeln!(out, "task       {} ({})", known.task, known.task_hash)?;
-            writeln!(out, "body       {} ({})", known.body, known.body_hash)?;
-            writeln!(out, "learned    {}, {} control steps, seed {}", known.algorithm, known.steps, known.seed)?;
+            writeln!(out, "task       {} ({})", printable(&known.task), printable(&known.task_hash))?;
+            writeln!(out, "body       {} ({})", printable(&known.body), printable(&known.body_hash))?;
+            writeln!(
+                out,
+                "learned    {}, {} control steps, seed {}",
+                printable(&known.algorithm.to_string()),
+                known.steps,
+                known.seed
+            )?;
             writeln!(out, "network    {}", agent.sizes())?;
             if let Some(found) = known.evaluation {
                 let (success, total) = (for_people(100.0 * found.success), for_people(found.total));
@@ -67,7 +74,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         Action::Export { agent, forms } => {
             let agent = Agent::read(&agent)?;
             if let Some(file) = forms.onnx {
-                fs::write(&file, agent.onnx()).context(|| format!("cannot write `{}`", file.display()))?;
+                output::write(&file, agent.onnx())?;
                 writeln!(out, "{}", file.display())?;
             }
             if let Some(folder) = forms.half {

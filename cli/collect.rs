@@ -19,7 +19,7 @@ use msk::runtime::policy::PolicyError;
 use msk_storage::Folder;
 use recording::{LAYOUT, Recording, layout};
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Play episodes under a policy and keep them as a data set: observations, actions, rewards and terms of every control step
@@ -76,6 +76,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (journal, kept) = opened.map_err(eval::explain)?;
     let interrupt = Interrupt::listen()?;
     let collection = Collection { plan: &plan, journal: &journal, interrupt: &interrupt };
+    must_have_archives(&folder, &kept.done, args.episodes)?;
     if !collection.complete(&kept.done, &mut totals)? {
         writeln!(io::stderr(), "interrupted; the same command with `--out {}` goes on", folder.display())?;
         return Ok(interrupt.code());
@@ -87,6 +88,21 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     writeln!(out, "{numbers}\nData: {}", folder.display())?;
     writeln!(out, "      data.json names the columns, episodes.jsonl has a line per episode")?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Whether every episode with a line has its arrays; its line cannot be written once more.
+fn must_have_archives(folder: &Path, done: &EpisodeSet, episodes: u64) -> Result<(), Error> {
+    let gone = |episode: &u64| done.contains((0, *episode)) && !folder.join(archive_name(*episode)).is_file();
+    let missing: Vec<u64> = (0..episodes).filter(gone).collect();
+    let Some(first) = missing.first() else { return Ok(()) };
+    let (folder, name) = (folder.display(), archive_name(*first));
+    let message = format!("`{folder}` has lost the arrays of {} episodes, such as `{name}`", missing.len());
+    Err(Error::new(message).hint("restore the files, or collect anew into another folder with `--out DIR`"))
+}
+
+/// The file with the arrays of an episode.
+pub fn archive_name(episode: u64) -> String {
+    format!("{episode:04}.npz")
 }
 
 /// Sums over the episodes of a data set.
@@ -152,7 +168,7 @@ impl Collection<'_> {
         };
         let archive = recording.archive(policy.actions(), &record)?;
         self.journal.write(LAYOUT, layout(environment, policy)?).map_err(eval::explain)?;
-        self.journal.write(&format!("{:04}.npz", key.episode), archive).map_err(eval::explain)?;
+        self.journal.write(&archive_name(key.episode), archive).map_err(eval::explain)?;
         self.journal.append(&record).map_err(eval::explain)?;
         Ok(Some(record))
     }

@@ -5,6 +5,7 @@ use crate::eval::explain;
 use msk::compiler::numbers::for_people;
 use msk::evaluate::compare::{Estimate, Outcomes, Pairing, compare};
 use msk::evaluate::{Journal, report::Table};
+use msk_storage::printable;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -46,10 +47,20 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         writeln!(out)?;
         return Ok(ExitCode::SUCCESS);
     }
-    writeln!(out, "A: {}, policy {}", args.first.display(), first.policy)?;
-    writeln!(out, "B: {}, policy {}", args.second.display(), second.policy)?;
-    for pairing in pairings.iter().filter(|pairing| first.hash(&pairing.task) != second.hash(&pairing.task)) {
-        writeln!(out, "The task `{}` differs between A and B: their returns are of different rewards", pairing.task)?;
+    writeln!(out, "A: {}, policy {}", args.first.display(), printable(&first.policy))?;
+    writeln!(out, "B: {}, policy {}", args.second.display(), printable(&second.policy))?;
+    for pairing in &pairings {
+        let Pairing { task, conditions: [a, b], task_hashes, model_hashes, .. } = pairing;
+        if task_hashes[0] != task_hashes[1] {
+            writeln!(out, "The task `{task}` differs between A and B: their returns are of different rewards")?;
+        }
+        let named = |condition: &str| if condition.is_empty() { "healthy".to_owned() } else { condition.to_owned() };
+        if a != b {
+            writeln!(out, "The muscles of `{task}` differ: A is {}, B is {}", named(a), named(b))?;
+        }
+        if model_hashes[0] != model_hashes[1] {
+            writeln!(out, "The body of `{task}` differs between A and B")?;
+        }
     }
     writeln!(out, "\n{}", success(&pairings).markdown())?;
     write!(out, "{}", returns(&pairings).markdown())?;
@@ -61,12 +72,20 @@ fn estimate(estimate: Estimate, scale: f64) -> String {
     format!("{} [{low}, {high}]", for_people(scale * estimate.value))
 }
 
+/// The task, with the condition of the muscles that both have.
+fn name(pairing: &Pairing) -> String {
+    match &pairing.conditions {
+        [first, second] if first == second && !first.is_empty() => format!("{} ({first})", pairing.task),
+        _ => pairing.task.clone(),
+    }
+}
+
 fn success(pairings: &[Pairing]) -> Table {
     let mut table = Table::new(&["task", "pairs", "success A, %", "success B, %", "B - A, % [95 %]"]);
     for pairing in pairings {
         let [first, second] = pairing.success.map(|rate| format!("{:.0}", 100.0 * rate));
         let difference = estimate(pairing.success_difference, 100.0);
-        table.row(vec![pairing.task.clone(), pairing.pairs.to_string(), first, second, difference]);
+        table.row(vec![name(pairing), pairing.pairs.to_string(), first, second, difference]);
     }
     table
 }
@@ -75,7 +94,7 @@ fn returns(pairings: &[Pairing]) -> Table {
     let mut table = Table::new(&["task", "return A [95 %]", "return B [95 %]", "B - A [95 %]"]);
     for pairing in pairings {
         let [first, second] = pairing.returns.map(|returns| estimate(returns, 1.0));
-        table.row(vec![pairing.task.clone(), first, second, estimate(pairing.return_difference, 1.0)]);
+        table.row(vec![name(pairing), first, second, estimate(pairing.return_difference, 1.0)]);
     }
     table
 }

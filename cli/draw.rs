@@ -1,11 +1,12 @@
 //! `msk draw`: a picture of a body, or of the initial state of a task.
 
 use crate::error::{Context, Error};
+use crate::output;
 use crate::physics::read_state;
 use crate::project::{Project, style};
 use msk::compiler::body::BodyDescription;
 use msk::compiler::compile;
-use msk::compiler::numbers::for_people;
+use msk::compiler::numbers::{exact, for_people};
 use msk::compiler::snapshot::names;
 use msk::compiler::task::{CompiledTask, RootPlacement, Setting, TaskState};
 use msk::draw::{Options, Sheet, View, svg};
@@ -78,7 +79,7 @@ enum Views {
 /// A body, pose, state or model that cannot be found, read or used, or a file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     if !(0.0..=1.0).contains(&args.activation) {
-        return Err(Error::usage(format!("an activation is between 0 and 1, found {}", args.activation)));
+        return Err(Error::usage(format!("an activation is between 0 and 1, found {}", exact(args.activation))));
     }
     if let Some(task) = &args.task {
         let picture = initial_states(task, &args)?;
@@ -109,7 +110,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 
 fn write(args: &Args, picture: &str) -> Result<ExitCode, Error> {
     match &args.out {
-        Some(path) => std::fs::write(path, picture).context(|| format!("cannot write {}", path.display()))?,
+        Some(path) => output::write(path, picture)?,
         None => io::stdout().lock().write_all(picture.as_bytes())?,
     }
     Ok(ExitCode::SUCCESS)

@@ -1,5 +1,6 @@
 //! The error of a command that cannot go on: one message, its causes, and what to do about it.
 
+use msk_storage::printable;
 use std::error::Error as StdError;
 use std::fmt::{self, Display};
 use std::io::{self, Write};
@@ -56,7 +57,8 @@ impl Error {
             return ExitCode::SUCCESS;
         }
         // Nothing is left to be done when standard error itself cannot be written.
-        let _ = write!(io::stderr().lock(), "{self}");
+        let text = if self.rendered { self.to_string() } else { printable(&self.to_string()) };
+        let _ = write!(io::stderr().lock(), "{text}");
         ExitCode::from(self.code)
     }
 }

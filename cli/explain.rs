@@ -1,7 +1,8 @@
 //! `msk explain [TASK]`: what was understood of a task, or of all tasks of a file.
 
-use crate::error::{Context, Error};
+use crate::error::Error;
 use crate::help;
+use crate::output;
 use crate::overlays::Overlays;
 use crate::project::{self, Project, Settings};
 use clap::ValueEnum;
@@ -69,7 +70,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         Format::Html => explain::html(&title(named), &reports(&trials)?),
     };
     match &args.out {
-        Some(path) => std::fs::write(path, text).context(|| format!("cannot write {}", path.display()))?,
+        Some(path) => output::write(path, text)?,
         None => io::stdout().lock().write_all(text.as_bytes())?,
     }
     Ok(ExitCode::SUCCESS)

@@ -1,14 +1,17 @@
 //! `msk export TASK --target python`: tasks for people who stay on MuJoCo.
 
 use crate::error::Error;
+use crate::output;
 use crate::project::{Project, Settings};
 use clap::ValueEnum;
 use msk::export;
-use msk_storage::Folder;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+/// The folder of `--out` by itself.
+const FOLDER: &str = "export";
 
 /// Write tasks as modules over MuJoCo's own model and data: observation, terms, terminations, success
 ///
@@ -23,7 +26,7 @@ pub struct Args {
     #[arg(long, value_enum)]
     target: Target,
     /// The folder of the files
-    #[arg(long, value_name = "DIR", default_value = "export")]
+    #[arg(long, value_name = "DIR", default_value = FOLDER)]
     out: PathBuf,
     #[command(flatten)]
     settings: Settings,
@@ -48,7 +51,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
             .map_err(|refused| Error::new(refused.to_string()).hint("leave these signals out, or stay on MSK's own simulator"))?;
         files.extend(exported.files().into_iter().map(|(name, text)| (name, text.to_owned())));
     }
-    let (folder, mut out) = (Folder::create(&args.out)?, io::stdout().lock());
+    let (folder, mut out) = (output::folder(&args.out, FOLDER)?, io::stdout().lock());
     for (name, text) in &files {
         folder.replace(Path::new(name), text.as_bytes())?;
         writeln!(out, "{}", args.out.join(name).display())?;

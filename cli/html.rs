@@ -1,11 +1,11 @@
 //! `--html`: episodes as pages for a browser.
 
-use crate::error::{Context, Error};
+use crate::error::Error;
+use crate::output;
 use crate::run::ending;
 use msk::evaluate::{EpisodeRecord, Trial};
 use msk::runtime::episode::Environment;
 use msk::view::{Caption, Recorder, Recording, page};
-use std::fs;
 use std::path::Path;
 
 /// An episode that is recorded, or one that is not.
@@ -57,7 +57,7 @@ impl Film {
 /// # Errors
 /// A file that cannot be written.
 pub fn write(path: &Path, title: &str, recordings: &[Recording]) -> Result<(), Error> {
-    fs::write(path, page(title, recordings)?).context(|| format!("cannot write `{}`", path.display()))
+    output::write(path, page(title, recordings)?)
 }
 
 /// What stands above the recording of an episode.

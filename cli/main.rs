@@ -30,6 +30,8 @@ mod motion;
 mod mutate;
 mod named;
 mod new;
+mod numbers;
+mod output;
 mod overlays;
 mod physics;
 mod pictures;

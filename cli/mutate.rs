@@ -1,6 +1,7 @@
 //! `msk mutate [FILES]`: mutation testing of tasks.
 
 use crate::error::{Error, FAILURE};
+use crate::numbers::not_negative;
 use crate::project::{Project, style};
 use clap::ValueEnum;
 use msk::compiler::mutation::{self, Class, Part};
@@ -32,10 +33,10 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
     /// Percentage of the mutants of values, terms, terminations and success that may survive
-    #[arg(long, value_name = "PERCENT", default_value_t = 100.0)]
+    #[arg(long, value_name = "PERCENT", default_value_t = 100.0, value_parser = not_negative)]
     max_survivors: f64,
     /// Percentage of the mutants of scene, initial state and observation that may survive
-    #[arg(long, value_name = "PERCENT", requires = "include_scene")]
+    #[arg(long, value_name = "PERCENT", requires = "include_scene", value_parser = not_negative)]
     max_scene_survivors: Option<f64>,
 }
 

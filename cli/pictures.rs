@@ -1,11 +1,12 @@
 //! `--png`, `--strip`: moments of an episode as pictures.
 
-use crate::error::{Context, Error};
+use crate::error::Error;
 use crate::named::by_name;
+use crate::output;
+use msk::compiler::numbers::exact;
 use msk::evaluate::Trial;
 use msk::runtime::episode::{Ending, Environment};
 use msk::view::render::{Colouring, LARGEST, Options, Picture, Renderer, Scene, Strip, Theme, View, film_strip};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Pictures of an episode
@@ -114,7 +115,7 @@ impl<'a> Pictures<'a> {
         if let Some(path) = &self.args.png {
             let scene = self.moment.as_ref().ok_or_else(nothing)?;
             if let Some(at) = self.args.at.filter(|at| *at > scene.time + 0.5 * episode.control_period() + 1e-9) {
-                let message = format!("there is no picture at {at} s: the episode ended after {:.2} s", scene.time);
+                let message = format!("there is no picture at {} s: the episode ended after {:.2} s", exact(at), scene.time);
                 return Err(Error::new(message).hint("choose an earlier time with --at, or leave it out for the end"));
             }
             save(path, &scene.render(&options)?)?;
@@ -131,7 +132,7 @@ impl<'a> Pictures<'a> {
 }
 
 fn save(path: &Path, picture: &Picture) -> Result<(), Error> {
-    fs::write(path, picture.png()?).context(|| format!("cannot write `{}`", path.display()))
+    output::write(path, picture.png()?)
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
 //! `msk run TASK`: one episode, reported term by term.
 
 use crate::condition::Condition;
-use crate::error::{Context, Error};
+use crate::error::Error;
 use crate::html;
 use crate::interrupt::Interrupt;
+use crate::output;
 use crate::overlays::Overlays;
 use crate::pictures::{PictureArgs, Pictures};
 use crate::policies::{Limits, Recorder};
@@ -20,7 +21,6 @@ use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::inspect::StateFile;
 use msk::runtime::policy::{Policy, PolicyError, PolicySource};
 use msk::view::Caption;
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -181,7 +181,7 @@ fn play(args: &Args, trial: Trial, source: PolicySource, interrupt: &Interrupt, 
 fn write_state(args: &Args, episode: &Environment) -> Result<(), Error> {
     let Some(path) = &args.state else { return Ok(()) };
     let state = serde_json::to_string(&StateFile::of(episode.engine().model(), episode.state()))?;
-    fs::write(path, state).context(|| format!("`{}` cannot be written", path.display()))
+    output::write(path, state)
 }
 
 /// Reads the steps of the episode, as far as a trace is asked for.
@@ -193,7 +193,7 @@ fn recorder(args: &Args, episode: &Environment) -> TraceRecorder {
 /// Writes the trace where it was asked for.
 fn write_trace(args: &Args, recorder: TraceRecorder, record: &EpisodeRecord) -> Result<(), Error> {
     let (Some(path), Some(trace)) = (&args.trace, recorder.finish(record)) else { return Ok(()) };
-    fs::write(path, trace.archive()?).context(|| format!("`{}` cannot be written", path.display()))
+    output::write(path, trace.archive()?)
 }
 
 /// Plays an episode up to its horizon, ignoring terminations.

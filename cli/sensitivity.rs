@@ -3,9 +3,10 @@
 mod table;
 
 use crate::condition::Condition;
-use crate::error::{Context, Error};
+use crate::error::Error;
 use crate::eval;
 use crate::interrupt::Interrupt;
+use crate::output;
 use crate::overlays::Overlays;
 use crate::policies::Limits;
 use crate::progress::Progress;
@@ -14,7 +15,7 @@ use msk::compiler::numbers::{exact, for_people};
 use msk::compiler::task::Origin;
 use msk::compiler::weights::Bounds;
 use msk::evaluate::{self, Plan, Protocol, Resumed, RunSettings, Shard, Summary, Trial};
-use std::fs;
+use msk_storage::Folder;
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -80,7 +81,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         writeln!(io::stderr(), "{} of {}: {}", number + 1, variants.len(), variant.name())?;
         let trials = vec![variant.trial.clone()];
         let plan = Plan { trials, policy: policy.clone(), protocol, shard: Shard::WHOLE };
-        let Some(summary) = play(&plan, &folder.join(variant.folder()), &interrupt)? else {
+        let Some(summary) = play(&plan, &output::subfolder(&folder, &variant.folder())?, &interrupt)? else {
             writeln!(io::stderr(), "interrupted; the same command with `--out {}` goes on", folder.display())?;
             return Ok(interrupt.code());
         };
@@ -89,13 +90,10 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         }
         rows.extend(Row::of(&variant.name(), variant.change, &summary, &trial.task.weights()));
     }
-    let write = |name: &str, content: String| {
-        let path = folder.join(name);
-        fs::write(&path, content).context(|| format!("cannot write `{}`", path.display()))
-    };
+    let kept = Folder::open(&folder)?;
     let title = format!("`{}` under `{}`", trial.task.name, policy.name());
-    write("sensitivity.md", markdown(&title, &rows))?;
-    write("sensitivity.svg", plot(&title, &rows))?;
+    output::write_in(&kept, "sensitivity.md", markdown(&title, &rows))?;
+    output::write_in(&kept, "sensitivity.svg", plot(&title, &rows))?;
     let mut out = io::stdout().lock();
     writeln!(out, "{}", text(&rows))?;
     writeln!(out, "Results: {}", folder.display())?;

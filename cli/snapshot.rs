@@ -1,16 +1,20 @@
 //! `msk snapshot [FILES] [--check]`: what tasks mean, written down, so that a change of meaning is seen.
 
 use crate::error::{Context, Error, FAILURE};
+use crate::output;
 use crate::project::{self, Settings, compiled};
 use msk::compiler::difference::Difference;
 use msk::compiler::snapshot::Snapshot;
 use msk::compiler::task::CompiledTask;
-use msk_storage::{Folder, read_text_file};
+use msk_storage::read_text_file;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
+
+/// The folder of `--out` by itself.
+const FOLDER: &str = "snapshots";
 
 /// Write snapshots of the semantics of tasks, or check tasks against them
 ///
@@ -25,7 +29,7 @@ pub struct Args {
     #[arg(long)]
     check: bool,
     /// The folder of the snapshots
-    #[arg(long, value_name = "DIR", default_value = "snapshots")]
+    #[arg(long, value_name = "DIR", default_value = FOLDER)]
     out: PathBuf,
     #[command(flatten)]
     settings: Settings,
@@ -60,7 +64,7 @@ fn name(task: &str) -> PathBuf {
 
 fn write(tasks: &[(Snapshot, Arc<CompiledTask>)], folder: &Path) -> Result<ExitCode, Error> {
     // A folder from somebody else may hold links in place of snapshots: nothing is written through them.
-    let opened = Folder::create(folder)?;
+    let opened = output::folder(folder, FOLDER)?;
     let mut out = io::stdout().lock();
     for (snapshot, task) in tasks {
         let (name, text) = (name(snapshot.task()), snapshot.to_string());

@@ -2,8 +2,8 @@
 
 use crate::error::{Context, Error, FAILURE};
 use crate::eval::in_path;
-use crate::html;
 use crate::levels::LevelArgs;
+use crate::output;
 use crate::policies::Limits;
 use crate::project::{Project, Settings};
 use crate::ranking;
@@ -13,10 +13,10 @@ use msk::compiler::task::CompiledTask;
 use msk::evaluate::testing::{self, Stage, TestReport};
 use msk::runtime::episode::Environment;
 use msk::runtime::policy::PolicySource;
-use msk::view::{Caption, Recorder, Recording};
+use msk::view::{Caption, Recorder, Recording, page};
+use msk_storage::Folder;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -67,7 +67,7 @@ enum Format {
 /// Errors in a file, a task without a body, or no test to run.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let mut out = io::stdout().lock();
-    let mut seen = BTreeSet::new();
+    let (mut seen, mut names) = (BTreeSet::new(), BTreeSet::new());
     let policy = args.policy.as_ref().map(|policy| args.limits.source(policy)).transpose()?;
     let (mut passed, mut failed, mut left_out, mut without) = (0, 0, 0, Vec::new());
     for file in &args.files {
@@ -90,7 +90,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         }
         let reports = testing::run_all(&jobs, policy.as_ref())?;
         if let Some(folder) = &args.html {
-            write_pages(folder, &jobs, &reports, policy.as_ref())?;
+            write_pages(folder, &jobs, &reports, policy.as_ref(), &mut names)?;
         }
         passed += reports.iter().filter(|report| report.passed()).count();
         failed += reports.iter().filter(|report| !report.passed()).count();
@@ -128,6 +128,7 @@ fn write_pages(
     jobs: &[testing::Job<'_>],
     reports: &[TestReport],
     policy: Option<&PolicySource>,
+    names: &mut BTreeSet<String>,
 ) -> Result<(), Error> {
     for ((tests, body, place), report) in jobs.iter().zip(reports).filter(|(_, report)| !report.passed()) {
         let mut recorders: BTreeMap<usize, Recorder> = BTreeMap::new();
@@ -151,12 +152,23 @@ fn write_pages(
         if played.is_err() || recordings.is_empty() {
             continue;
         }
-        fs::create_dir_all(folder).context(|| format!("cannot make the folder `{}`", folder.display()))?;
-        let path = folder.join(format!("{}-{}.html", report.task, in_path(&report.title)));
-        html::write(&path, &format!("{}: {}", report.task, report.title), &recordings)?;
-        writeln!(io::stderr(), "{}", path.display())?;
+        let title = format!("{}: {}", report.task, report.title);
+        let content = page(&title, &recordings)?;
+        let name = file_name(&report.task, &report.title, names);
+        output::write_in(&Folder::create(folder)?, &name, content)?;
+        writeln!(io::stderr(), "{}", folder.join(name).display())?;
     }
     Ok(())
+}
+
+/// The file of a test's page. Titles that differ in punctuation alone are numbered: no page takes the place of another.
+fn file_name(task: &str, title: &str, names: &mut BTreeSet<String>) -> String {
+    let stem = format!("{task}-{}", in_path(title));
+    let numbered = (2_u64..).map(|number| format!("{stem}-{number}.html"));
+    let fresh = [format!("{stem}.html")].into_iter().chain(numbered).find(|name| !names.contains(name));
+    let name = fresh.unwrap_or_else(|| format!("{stem}.html"));
+    names.insert(name.clone());
+    name
 }
 
 /// Why no test was run.

@@ -107,7 +107,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (_, mut trial) = Project::find(&args.task, &args.parameters.settings)?;
     args.condition.apply(std::slice::from_mut(&mut trial))?;
     let engine = Engine::new(trial.body.model.clone(), trial.body.body.clone(), trial.task.clone())?
-        .with_fatigue(trial.body.condition.fatigue);
+        .with_fatigue(trial.body.condition.fatigue.clone());
     let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
     let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
     let lessons = args.lessons.lessons(&engine)?;

@@ -1,6 +1,7 @@
 //! Folders of results.
 
 use crate::error::Error;
+use crate::output;
 use msk::evaluate::{JournalError, Plan};
 use msk_storage::{Folder, StorageError};
 use std::io;
@@ -32,7 +33,7 @@ pub fn in_path(policy: &str) -> String {
 pub fn fresh(name: &str) -> Result<PathBuf, Error> {
     let results = Path::new("results");
     let cannot = |source: StorageError| explain(JournalError::Unusable { folder: results.into(), source });
-    Folder::create(results).map_err(cannot)?;
+    output::own_folder("results").map_err(cannot)?;
     for number in 1_u64.. {
         let folder = results.join(format!("{name}-{number}"));
         match Folder::create_new(&folder) {

@@ -11,6 +11,7 @@ use crate::condition::Condition;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::levels::LevelArgs;
+use crate::output;
 use crate::overlays::Overlays;
 use crate::policies::Limits;
 use crate::progress::Progress;
@@ -123,6 +124,10 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         .into_iter()
         .map(|policy| Plan { trials: trials.clone(), policy, protocol: chosen.protocol, shard: args.shard })
         .collect();
+    if plans.iter().all(|plan| plan.episodes() == 0) {
+        let error = Error::usage(format!("shard {} has none of the episodes", args.shard));
+        return Err(error.hint("cut the run into at most as many shards as it has episodes"));
+    }
     let names: Vec<&str> = plans.iter().map(|plan| plan.policy.name()).collect();
     let Some(first) = plans.first() else { return Ok(ExitCode::SUCCESS) };
     if let Some(twice) = names.iter().enumerate().find_map(|(place, name)| names[..place].contains(name).then_some(name)) {
@@ -193,7 +198,7 @@ impl Evaluation<'_> {
     fn several(&self, plans: &[Plan], folder: &Path) -> Result<ExitCode, Error> {
         let mut summaries = Vec::new();
         for (number, plan) in plans.iter().enumerate() {
-            let own = folder.join(format!("{}-{}", number + 1, folder::in_path(plan.policy.name())));
+            let own = output::subfolder(folder, &format!("{}-{}", number + 1, folder::in_path(plan.policy.name())))?;
             writeln!(io::stderr(), "\npolicy {}", plan.policy.name())?;
             let (summary, interrupted) = self.one(plan, &own)?;
             summaries.push(summary);

@@ -2,6 +2,7 @@
 
 use super::Evaluation;
 use crate::error::{Context, Error};
+use crate::output;
 use clap::builder::PossibleValue;
 use msk::evaluate::sweep::{Axis, NORMALIZING, Sweep, SweepProtocol, markdown, normalization, perturbed};
 use msk::evaluate::{Plan, Protocol, Summary};
@@ -69,7 +70,7 @@ impl Evaluation<'_> {
         let episodes = self.args.episodes.unwrap_or(protocol.episodes.into());
         let plan = Plan { protocol: Protocol { episodes, ..plan.protocol }, ..plan.clone() };
         writeln!(io::stderr(), "\nunperturbed, {episodes} episodes of each task")?;
-        let (unperturbed, interrupted) = self.one(&plan, &folder.join(UNPERTURBED))?;
+        let (unperturbed, interrupted) = self.one(&plan, &output::subfolder(folder, UNPERTURBED)?)?;
         let grown: usize = axes.iter().map(|axis| protocol.scales(*axis).len() - 1).sum();
         let all = plan.episodes() * (1 + grown as u64);
         if interrupted {
@@ -87,7 +88,8 @@ impl Evaluation<'_> {
                 writeln!(io::stderr(), "\n{} {scale}", axis.name())?;
                 let trials = perturbed(&plan.trials, axis, scale, &normalizations);
                 let point = Plan { trials, ..plan.clone() };
-                let (summary, interrupted) = self.one(&point, &folder.join(format!("{}-{scale}", axis.name())))?;
+                let (summary, interrupted) =
+                    self.one(&point, &output::subfolder(folder, &format!("{}-{scale}", axis.name()))?)?;
                 scales.push((scale, summary));
                 if interrupted {
                     let done = points.iter().flat_map(|(_, scales)| scales).chain(&scales);

@@ -2,6 +2,7 @@
 
 use super::Start;
 use crate::error::{Error, FAILURE};
+use crate::numbers::not_negative;
 use msk::compiler::numbers::for_people;
 use msk::runtime::inspect::{MotionLimits, MotionReport, inspect_motion};
 use std::fmt::Write as _;
@@ -14,7 +15,7 @@ pub struct Args {
     #[command(flatten)]
     start: Start,
     /// How far a standing foot may slide, mm
-    #[arg(long, value_name = "MM", default_value_t = 20.0)]
+    #[arg(long, value_name = "MM", default_value_t = 20.0, value_parser = not_negative)]
     sliding: f64,
     /// Print JSON, in metres, seconds and radians
     #[arg(long)]

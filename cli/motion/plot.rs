@@ -1,7 +1,8 @@
 //! `msk motion plot FILE`: a motion as a picture.
 
 use super::Start;
-use crate::error::{Context, Error};
+use crate::error::Error;
+use crate::output;
 use msk::draw::motion;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -28,7 +29,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (table, bound) = args.start.load()?;
     let picture = motion::svg(&bound.model, &bound.body, &table, usize::from(args.bodies));
     match &args.out {
-        Some(path) => std::fs::write(path, picture).context(|| format!("cannot write {}", path.display()))?,
+        Some(path) => output::write(path, picture)?,
         None => io::stdout().lock().write_all(picture.as_bytes())?,
     }
     Ok(ExitCode::SUCCESS)

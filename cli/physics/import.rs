@@ -1,6 +1,7 @@
 //! `msk physics import`: somebody else's model as one flat file of figures.
 
-use crate::error::{Context, Error};
+use crate::error::Error;
+use crate::output;
 use msk_physics::model::{Model, import};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -23,7 +24,7 @@ pub struct Args {
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let model = import::import(Model::from_file(&args.model)?);
     let text = import::to_file_text(&model, &args.model);
-    std::fs::write(&args.out, text).context(|| format!("cannot write {}", args.out.display()))?;
+    output::write(&args.out, text)?;
     eprintln!(
         "{}: {} bodies, {} joints, {} muscles, {:.2} kg",
         args.out.display(),

@@ -1,7 +1,8 @@
 //! `msk physics muscle`: a muscle's path, wraps, length and moment arm over a joint's sweep.
 
 use super::Start;
-use crate::error::{Context, Error};
+use crate::error::Error;
+use crate::output;
 use core::fmt::Write as _;
 use msk_draw::chart::{self, Band, Chart, Panel};
 use msk_runtime::inspect::{MuscleSweep, Sample, sweep_muscle};
@@ -41,7 +42,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (model, state) = args.start.load()?;
     let sweep = sweep_muscle(&model, &state, &args.muscle, &args.joint, usize::from(args.steps))?;
     if let Some(path) = &args.plot {
-        std::fs::write(path, chart::svg(&picture(&sweep))).context(|| format!("cannot write {}", path.display()))?;
+        output::write(path, chart::svg(&picture(&sweep)))?;
     }
     let text = if args.json { serde_json::to_string(&sweep)? + "\n" } else { readable(&sweep) };
     io::stdout().lock().write_all(text.as_bytes())?;

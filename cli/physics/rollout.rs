@@ -2,11 +2,11 @@
 
 use super::Start;
 use crate::error::{Context, Error};
+use crate::output;
 use msk::evaluate::npz::NpzWriter;
 use msk_physics::model::Model;
 use msk_physics::{self as physics, State, Workspace};
 use msk_runtime::inspect::Excitations;
-use std::fs::File;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -42,6 +42,10 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let controls = read(&args.ctrl, model.actuators.name.len())?;
     let rows = controls.rows();
     let steps = args.steps.unwrap_or(rows);
+    if steps == 0 {
+        let error = Error::new(format!("there is no step to take: {} has {rows} rows", args.ctrl.display()));
+        return Err(error.hint("give a row of excitations per step, and at least one with --steps"));
+    }
     if steps > rows {
         return Err(Error::new(format!("{} has {rows} rows; {steps} steps need one each", args.ctrl.display())));
     }
@@ -49,11 +53,11 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     if steps.saturating_mul(width) > MOST_NUMBERS {
         return Err(Error::new(format!("{steps} steps are too many: at most {} fit into memory", MOST_NUMBERS / width)));
     }
-    // Created first: a file that cannot be written is worth knowing before the work.
-    let file = File::create(&args.out).context(|| format!("cannot write {}", args.out.display()))?;
     let mut trajectory = Trajectory::default();
     let outcome = trajectory.record(&model, &mut state, &controls, steps);
-    trajectory.write(&model, io::BufWriter::new(file)).context(|| format!("cannot write {}", args.out.display()))?;
+    let mut archive = io::Cursor::new(Vec::new());
+    trajectory.write(&model, &mut archive).context(|| format!("cannot write `{}`", args.out.display()))?;
+    output::write(&args.out, archive.into_inner())?;
     outcome?;
     Ok(ExitCode::SUCCESS)
 }

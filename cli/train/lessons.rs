@@ -1,9 +1,11 @@
 //! What an agent learns from beside the reward: data sets of `msk collect`, a teacher, an agent to start as.
 
+use crate::collect::archive_name;
 use crate::error::{Context, Error};
 use crate::policies::Limits;
 use msk::compiler::task::Channel;
-use msk::evaluate::npz::NpzReader;
+use msk::evaluate::Journal;
+use msk::evaluate::npz::{NpzReader, ZipError};
 use msk::runtime::episode::Engine;
 use msk::runtime::policy::ActsOn;
 use msk::train::{Agent, DataSet, Lessons};
@@ -16,6 +18,8 @@ use std::sync::Arc;
 /// Largest files that are read, bytes.
 const LARGEST: u64 = 4 << 30;
 const LARGEST_TEXT: u64 = 64 << 20;
+/// Most bytes of the header of an array.
+const LONGEST_HEADER: u64 = 4096;
 
 /// Lessons as a command line names them.
 #[derive(clap::Args)]
@@ -64,7 +68,7 @@ fn read(folder: &Path, engine: &Engine) -> Result<DataSet, Error> {
     let [width, entries] = [engine.task().observation_size(), acts_on.size(engine.task(), engine.body())];
     let (mut observations, mut actions) = (Vec::new(), Vec::new());
     for path in episodes(folder)? {
-        let bytes = read_file(&path, LARGEST)?;
+        let bytes = read_file(&path, LARGEST).map_err(|error| refuse(format!("is not whole: {error}")))?;
         let damaged = |reason: String| refuse(format!("is damaged: `{}` {reason}", path.display()));
         let mut archive = NpzReader::new(&bytes).map_err(|error| damaged(error.to_string()))?;
         let seen: Vec<f32> = array(&mut archive, "observations", width).map_err(damaged)?;
@@ -72,6 +76,9 @@ fn read(folder: &Path, engine: &Engine) -> Result<DataSet, Error> {
         let rows = done.len() / entries;
         if seen.len() != (rows + 1) * width {
             return Err(damaged(format!("has {} observations for {rows} actions", seen.len() / width)));
+        }
+        if !(seen.iter().all(|value| value.is_finite()) && done.iter().all(|value| value.is_finite())) {
+            return Err(damaged("has numbers that are not finite".into()));
         }
         // The last observation is what came of the last action.
         observations.extend_from_slice(&seen[..rows * width]);
@@ -104,27 +111,32 @@ fn check(layout: &Value, engine: &Engine, acts_on: ActsOn) -> Result<(), String>
     Ok(())
 }
 
-/// The archives of a data set, in the order of its episodes.
+/// The archives of the episodes that the journal of a data set has, in their order.
 fn episodes(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let entries = std::fs::read_dir(folder).context(|| format!("cannot read `{}`", folder.display()))?;
-    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "npz"));
-    paths.sort();
-    Ok(paths)
+    let mut episodes = Vec::new();
+    Journal::each(folder, |record| episodes.push(record.episode)).map_err(crate::eval::explain)?;
+    episodes.sort_unstable();
+    Ok(episodes.into_iter().map(|episode| folder.join(archive_name(episode))).collect())
 }
 
 /// The numbers of an array with so many columns.
 fn array<T: npyz::Deserialize>(archive: &mut NpzReader<'_>, name: &str, columns: usize) -> Result<Vec<T>, String> {
-    let bytes = archive.entry(&format!("{name}.npy"), LARGEST).map_err(|error| format!("has no array `{name}`: {error}"))?;
-    let entry = NpyFile::new(&bytes[..]).map_err(|error| error.to_string())?;
-    let shape = entry.shape().to_vec();
-    if shape.len() != 2 || shape[1] != columns as u64 {
-        return Err(format!("has an array `{name}` of shape {shape:?}, expected {columns} columns"));
+    let entry_name = format!("{name}.npy");
+    let unreadable = |error: ZipError| format!("has no array `{name}`: {error}");
+    // The header first: an archive of a few bytes may unpack to gigabytes.
+    let header = archive.entry(&entry_name, LONGEST_HEADER).map_err(unreadable)?;
+    let size = NpyFile::new(&header[..]).map_err(|error| error.to_string())?.shape().to_vec();
+    if size.len() != 2 || size[1] != columns as u64 {
+        return Err(format!("has an array `{name}` of shape {size:?}, expected {columns} columns"));
     }
+    let described = size.iter().try_fold(size_of::<T>() as u64, |size, length| size.checked_mul(*length));
+    let limit = described.and_then(|size| size.checked_add(LONGEST_HEADER)).filter(|limit| *limit <= LARGEST);
+    let limit = limit.ok_or_else(|| format!("has an array `{name}` of shape {size:?}, which is more than {LARGEST} bytes"))?;
+    let bytes = archive.entry(&entry_name, limit).map_err(unreadable)?;
+    let entry = NpyFile::new(&bytes[..]).map_err(|error| error.to_string())?;
     // Room is made for what the header describes, which may be more than follows it.
-    let described = shape.iter().try_fold(size_of::<T>() as u64, |size, length| size.checked_mul(*length));
     if described.is_none_or(|size| size > bytes.len() as u64) {
-        return Err(format!("has an array `{name}` that ends before its shape {shape:?} is filled"));
+        return Err(format!("has an array `{name}` that ends before its shape {size:?} is filled"));
     }
     entry.into_vec().map_err(|error| error.to_string())
 }

@@ -50,6 +50,28 @@ fn every_step_of_every_episode_is_kept() {
 }
 
 #[test]
+fn lost_arrays_are_noticed() {
+    let project = Project::lean();
+    project.msk(&COMMAND).succeeded();
+    fs::remove_file(project.path("data/0001.npz")).unwrap();
+    project.msk(&COMMAND).failed(1, &["has lost the arrays of 1 episodes, such as `0001.npz`", "hint: restore"]);
+    let train = ["train", "lean", "--algorithm", "clone", "--data", "data", "--out", "trained"];
+    project.msk(&train).failed(1, &["the data set `data` is not whole", "0001.npz"]);
+
+    // Numbers that are none, in an archive that is otherwise right.
+    let observations = array::<f32>(&project, 0, "observations").0[1] as usize;
+    let actions = array::<f64>(&project, 0, "actions").0[1] as usize;
+    let archive = |value: f64| {
+        let mut archive = msk::evaluate::npz::NpzWriter::new(std::io::Cursor::new(Vec::new()));
+        archive.array("observations", &vec![0.0_f32; 2 * observations], &[2, observations]).unwrap();
+        archive.array("actions", &vec![value; actions], &[1, actions]).unwrap();
+        archive.finish().unwrap().into_inner()
+    };
+    fs::write(project.path("data/0001.npz"), archive(f64::NAN)).unwrap();
+    project.msk(&train).failed(1, &["0001.npz` has numbers that are not finite"]);
+}
+
+#[test]
 fn a_data_set_is_completed_to_the_same_bytes() {
     let (project, whole) = (Project::lean(), Project::lean());
     whole.msk(&COMMAND).succeeded();

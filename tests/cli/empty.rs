@@ -74,3 +74,12 @@ fn a_table_that_is_cut_behind_its_headings() {
         assert!(format!("{}{}", done.out, done.err).contains("a cycle has at least four rows, found 0"), "{done:?}");
     }
 }
+
+#[test]
+fn a_rollout_without_a_step_is_refused() {
+    let project = Project::lean();
+    project.msk(&["run", "lean", "--policy", "zero", "--actions", "zero.npy"]).succeeded();
+    let rollout = ["physics", "rollout", "--ctrl", "zero.npy", "--steps", "0", "--out", "out.npz"];
+    project.msk(&rollout).failed(1, &["there is no step to take: zero.npy has 17 rows", "hint:"]);
+    assert!(!project.path("out.npz").exists());
+}

@@ -81,6 +81,26 @@ fn shards_may_overlap_and_are_not_mixed() {
 }
 
 #[test]
+fn a_shard_without_an_episode_is_refused() {
+    let project = Project::lean();
+    eval(&project, "none", &["--shard", "1000/1000000"]).failed(2, &["shard 1000/1000000 has none of the episodes", "hint:"]);
+    assert!(!project.path("none").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn no_trace_is_left_out_silently() {
+    let project = Project::lean();
+    for (shard, out) in [("1/3", "one"), ("2/3", "two"), ("3/3", "three")] {
+        eval(&project, out, &["--shard", shard, "--trace=rewards"]).succeeded();
+    }
+    let elsewhere = project.path("elsewhere");
+    std::fs::rename(project.path("two/traces"), &elsewhere).unwrap();
+    std::os::unix::fs::symlink(&elsewhere, project.path("two/traces")).unwrap();
+    merge(&project, &["one", "two", "three"], "merged").failed(1, &["two", "leads out of the folder"]);
+}
+
+#[test]
 fn what_is_not_one_run_is_not_merged() {
     let project = Project::lean();
     play_shards(&project);

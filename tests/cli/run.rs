@@ -91,5 +91,5 @@ fn the_state_at_the_end_can_be_drawn() {
     project.msk(&["draw", "--state", "end.json", "--out", "end.svg"]).succeeded();
     assert!(project.read("end.svg").starts_with("<svg"));
     let refused = project.msk(&["run", "lean", "--policy", "zero", "--state", "nowhere/end.json"]);
-    refused.failed(1, &["`nowhere/end.json` cannot be written"]);
+    refused.failed(1, &["cannot write `nowhere/end.json`"]);
 }

@@ -65,6 +65,17 @@ fn a_pipe_is_waited_for_by_no_command() {
 }
 
 #[test]
+fn a_pipe_that_nobody_reads_is_not_written_to() {
+    let project = Project::lean();
+    for name in ["pipe.npz", "pipe.html", "pipe.svg"] {
+        pipe(&project, name);
+    }
+    refused(&project, &["run", "lean", "--policy", "zero", "--trace", "pipe.npz"], "cannot write `pipe.npz`");
+    refused(&project, &["run", "lean", "--policy", "zero", "--html", "pipe.html"], "cannot write `pipe.html`");
+    refused(&project, &["draw", "--out", "pipe.svg"], "cannot write `pipe.svg`");
+}
+
+#[test]
 fn no_text_uses_a_device_or_what_the_system_makes_up() {
     let project = Project::empty();
     for (path, found) in

@@ -100,6 +100,16 @@ fn a_filter_that_fits_nothing_fails() {
 }
 
 #[test]
+fn titles_that_differ_in_punctuation_have_pages_of_their_own() {
+    let project = tested(
+        "test \"low!\" { pose neutral; expect pelvis.height < 0.5 m }\ntest \"low?\" { pose neutral; expect pelvis.height < 0.4 m }",
+    );
+    project.msk(&["test", "tested.msk", "--html", "failed"]);
+    assert!(project.read("failed/lean-low.html").contains("<title>lean: low!</title>"));
+    assert!(project.read("failed/lean-low-2.html").contains("<title>lean: low?</title>"));
+}
+
+#[test]
 fn a_test_that_fails_becomes_a_page_and_one_that_passes_does_not() {
     let project = tested(
         "test \"low\" { pose neutral; expect pelvis.height < 0.5 m }\ntest \"high\" { pose neutral; expect pelvis.height > 0.5 m }",

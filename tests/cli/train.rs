@@ -125,7 +125,7 @@ fn what_cannot_be_trained_is_explained() {
     let train = |more: &[&str]| project.msk(&[&["train", "pendulum.msk"], more].concat());
     train(&["--settings", "wrong.toml"]).failed(1, &["`wrong.toml`: line 2: `episodes` is 0; expected a whole number from 1"]);
     train(&["--settings", "learner.toml", "--preset", "fast"]).failed(2, &["cannot be used with"]);
-    train(&["--algorithm", "dqn"]).failed(2, &["choose one of: ppo, sac, mpo, clone"]);
+    train(&["--algorithm", "dqn"]).failed(2, &["choose one of: ppo, sac, simba, dynsyn, mpo, clone"]);
     train(&["--budget", "soon"]).failed(2, &["`soon` is no time: write 90s, 30m, 2h or 1h30m"]);
     train(&["--settings", "learner.toml", "--steps", "200", "--out", "out"]).succeeded();
     train(&["--settings", "learner.toml", "--steps", "400", "--out", "out"])
