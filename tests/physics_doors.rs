@@ -153,7 +153,7 @@ fn excitations_that_do_not_fit_are_refused() {
     rollout(&[output_text], "must hold rows of");
     write_controls(&input, [2, width], &vec![0.0; 2 * width as usize]);
     rollout(&[output_text, "--steps", "3"], "has 2 rows; 3 steps need one each");
-    rollout(&["no such folder/t.npz"], "cannot write no such folder/t.npz");
+    rollout(&["no such folder/t.npz"], "cannot write `no such folder/t.npz`");
 }
 
 #[test]

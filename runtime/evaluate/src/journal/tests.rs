@@ -139,7 +139,7 @@ fn an_edited_line_is_noticed() {
     let with = |tail: &str| format!("{}{tail}\n{rest}", first.strip_suffix('}').unwrap());
     fs::write(folder.path().join(EPISODES), with(",\"wall_time\":1.5}")).unwrap();
     assert_eq!(Journal::records(folder.path()).unwrap().len(), 3);
-    for tail in [",\"wall_time\":1,\"finished_by\":[\"arrived\"]}", ",\"wall_time\":1, \"awaited\":1}", ",\"awaited\":1}"] {
+    for tail in [",\"wall_time\":1,\"finished_by\":[\"arrived\"]}", ",\"wall_time\":1,\"other\":1}", ",\"awaited\":\"x\"}"] {
         let error = refusal(folder.path(), &with(tail));
         assert!(error.contains("its checksum does not match its content"), "{error}");
     }
