@@ -15,7 +15,7 @@ import threading
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "tests/browser"))
-from driver import Browser  # noqa: E402
+from driver import Browser
 
 WINDOW = (1280, 800)
 # Seconds before frames are counted, and for which they are.
