@@ -58,13 +58,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
             let known = &agent.description;
             writeln!(out, "task       {} ({})", printable(&known.task), printable(&known.task_hash))?;
             writeln!(out, "body       {} ({})", printable(&known.body), printable(&known.body_hash))?;
-            writeln!(
-                out,
-                "learned    {}, {} control steps, seed {}",
-                printable(&known.algorithm.to_string()),
-                known.steps,
-                known.seed
-            )?;
+            writeln!(out, "learned    {}, {} control steps, seed {}", printable(&known.algorithm), known.steps, known.seed)?;
             writeln!(out, "network    {}", agent.sizes())?;
             if let Some(found) = known.evaluation {
                 let (success, total) = (for_people(100.0 * found.success), for_people(found.total));

@@ -3,7 +3,7 @@
 use crate::body::OutOfReach;
 use crate::cmc::ControlError;
 use msk_physics as physics;
-use msk_program::numbers::exact;
+use msk_program::numbers::{exact, for_people};
 use msk_program::task::{CompiledTask, NonFiniteTerm, NotDrawn, ParameterError, TaskFault};
 use serde::{Deserialize, Serialize};
 
@@ -60,13 +60,14 @@ pub enum Fault {
     Term(#[from] NonFiniteTerm),
     /// The sum of rewards left the range of numbers.
     #[error(
-        "the return is {value} after the reward {reward} of step {step}; its sum has to stay finite, so the weights are too large"
+        "the return is {value} after the reward {} of step {step}; its sum has to stay finite, so the weights are too large",
+        for_people(*.reward)
     )]
     Return {
         /// The sum, which is not finite.
         value: f64,
         /// The reward of the step.
-        reward: String,
+        reward: f64,
         /// Control step.
         step: u32,
     },

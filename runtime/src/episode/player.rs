@@ -7,7 +7,6 @@ use crate::cmc::{Moment, Present};
 use crate::condition::Compartments;
 use msk_physics::{self as physics, State};
 use msk_program::action::ActionTarget;
-use msk_program::numbers::for_people;
 use msk_program::task::{Channel, StepReport, TaskState};
 use nalgebra::Vector3;
 
@@ -179,7 +178,7 @@ impl Player<'_> {
         let parts = || totals.iter().zip(&report.terms).zip(self.weights).map(|((sum, value), weight)| sum + weight * value);
         let sums = || core::iter::once(*total + report.reward).chain(parts());
         if let Some(value) = sums().find(|sum| !sum.is_finite()) {
-            return Err(Fault::Return { value, reward: for_people(report.reward), step: task.step });
+            return Err(Fault::Return { value, reward: report.reward, step: task.step });
         }
         *total += report.reward;
         for ((sum, value), weight) in totals.iter_mut().zip(&report.terms).zip(self.weights) {
