@@ -35,8 +35,8 @@ impl<'a> Matrix<'a> {
 
 /// What multiplies matrices.
 pub trait Kernel: Debug + Send + Sync {
-    /// `out += a * b`, where `out` stands row by row. To each element the products are added in the order of their index, each rounded
-    /// before it is added.
+    /// `out += a * b`, where `out` stands row by row. To each element the products are added in the order of their index, each with one
+    /// rounding of product and sum.
     ///
     /// # Panics
     /// If the shapes do not fit.
@@ -216,7 +216,7 @@ fn tile<S: Simd>(
         for (sums, left) in sums.iter_mut().zip(left) {
             let left = simd.splat_f32s(*left);
             for (sum, right) in sums.iter_mut().zip(right) {
-                *sum = simd.add_f32s(*sum, simd.mul_f32s(left, *right));
+                *sum = simd.mul_add_f32s(left, *right, *sum);
             }
         }
     }

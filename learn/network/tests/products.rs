@@ -5,12 +5,13 @@ use msk_network::{Kernel, Matrix, Processor};
 use proptest::prelude::*;
 use std::num::NonZeroUsize;
 
-/// The definition: products added in the order of their index.
+/// The definition: products added in the order of their index, each with one rounding.
 fn plain(a: &[f32], b: &[f32], [rows, depth, columns]: [usize; 3], out: &mut [f32]) {
     for row in 0..rows {
         for column in 0..columns {
             for index in 0..depth {
-                out[row * columns + column] += a[row * depth + index] * b[index * columns + column];
+                let out = &mut out[row * columns + column];
+                *out = libm::fmaf(a[row * depth + index], b[index * columns + column], *out);
             }
         }
     }
