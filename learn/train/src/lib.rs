@@ -44,9 +44,9 @@ pub use error::TrainError;
 pub use evaluate::Evaluation;
 pub use learner::Losses;
 pub use msk_settings::SettingsError;
-pub use policy::source;
+pub use policy::{source, source_of};
 pub use settings::{
-    Algorithm, CloneSettings, DepSettings, DynsynSettings, MpoSettings, PpoSettings, Preset, SacSettings, Settings,
+    Algorithm, CloneSettings, DepSettings, DynsynSettings, MpoSettings, PpoSettings, Precision, Preset, SacSettings, Settings,
 };
 pub use teaching::{DataSet, Lessons};
-pub use training::{Identity, Provenance, Round, Training};
+pub use training::{Identity, Provenance, ReplaySize, Round, Training};

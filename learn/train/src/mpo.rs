@@ -7,12 +7,13 @@ use crate::error::TrainError;
 use crate::learner::{Losses, Means, Networks, Optimizer};
 use crate::numbers::Numbers;
 use crate::play::Play;
-use crate::replay::{Replay, ReplayState};
+use crate::replay::{Drawn, Replay};
 use crate::sensors::Sensors;
 use crate::settings::{MpoSettings, Settings};
 use msk_network::{Kernel, Mlp, Parameters, Tape, Variable};
 use msk_runtime::episode::{Engine, EpisodeKey, Stream};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
@@ -56,7 +57,8 @@ pub(crate) struct Mpo {
 struct Pending {
     row: Vec<f64>,
     action: Vec<f32>,
-    reward: f64,
+    /// Of each term before its weight.
+    values: Vec<f64>,
 }
 
 /// Where the duals stand among the parameters: of the temperature, that of the penalty, and one per entry for mean and deviation.
@@ -68,10 +70,10 @@ struct Duals {
 
 /// What of it a checkpoint keeps.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct MpoState {
+pub(crate) struct MpoState<'a> {
     parameters: Numbers,
     optimizers: [Optimizer; 3],
-    replay: ReplayState,
+    replay: Cow<'a, Replay>,
     pending: Vec<VecDeque<Pending>>,
     exploration: Option<Dep>,
     chance: Stream,
@@ -135,7 +137,7 @@ impl Mpo {
             targets,
             duals,
             optimizers: ranges.map(|range| Optimizer::new(range, f32::INFINITY, 1e-8)),
-            replay: Replay::new(settings.mpo.replay, [whole, entries]),
+            replay: Replay::new(settings, settings.mpo.replay, [whole, entries, play.terms()]),
             pending: vec![VecDeque::new(); play.slots()],
             exploration,
             chance: Stream::new(EpisodeKey { seed, episode: 0 }, "train/chance"),
@@ -212,37 +214,33 @@ impl Mpo {
 
     /// Keeps the transitions of a step whose rewards are now known over `steps`, or to the end of their episode.
     fn remember(&mut self, play: &Play, before: &[f64], actions: &[f32]) {
-        let ([whole, _], entries, last) = (play.widths(), play.entries(), play.last());
+        let ([whole, _], entries, terms, last) = (play.widths(), play.entries(), play.terms(), play.last());
         for (slot, pending) in self.pending.iter_mut().enumerate() {
             let part = slot * whole..(slot + 1) * whole;
             let action = actions[slot * entries..(slot + 1) * entries].to_vec();
-            pending.push_back(Pending { row: before[part.clone()].to_vec(), action, reward: last.rewards[slot] });
+            let values = play.values[slot * terms..(slot + 1) * terms].to_vec();
+            pending.push_back(Pending { row: before[part.clone()].to_vec(), action, values });
             let ended = last.ended[slot];
             let next = if ended { &play.final_rows } else { play.rows() };
             while !pending.is_empty() && (ended || pending.len() >= self.settings.steps) {
-                // r + gamma r' + ..., and gamma to the power of their number before the value of what follows.
-                let later = pending.iter().rev().map(|transition| transition.reward);
-                let total = later.fold(0.0, |sum, reward| reward + self.discount * sum);
+                // r + gamma r' + ..., term by term, and gamma to the power of their number before the value of what follows.
+                let sum = |term: usize| {
+                    let later = pending.iter().rev().map(|transition| transition.values[term]);
+                    later.fold(0.0, |sum, value| value + self.discount * sum)
+                };
+                let totals: Vec<f64> = (0..terms).map(sum).collect();
                 let discount = pending.iter().fold(1.0, |product, _| product * self.discount);
                 let Some(first) = pending.pop_front() else { break };
                 let discount = if last.terminated[slot] { 0.0 } else { discount as f32 };
-                self.replay.push(&first.row, &first.action, &next[part.clone()], total, discount);
+                self.replay.push(&first.row, &first.action, &next[part.clone()], &totals, discount);
             }
         }
     }
 
     fn draw(&mut self, play: &Play) -> Batch {
         let ([whole, _], rows) = (play.widths(), self.settings.batch);
-        let (mut row, mut next) = (Vec::new(), Vec::new());
-        let (mut actions, mut rewards, mut discounts) = (Vec::new(), Vec::new(), Vec::new());
-        for _ in 0..rows {
-            let drawn = self.replay.draw(&mut self.chance);
-            row.extend(drawn.row.iter().map(|value| f64::from(*value)));
-            next.extend(drawn.next.iter().map(|value| f64::from(*value)));
-            actions.extend_from_slice(drawn.action);
-            rewards.push(play.scaled(f64::from(drawn.reward)));
-            discounts.push(drawn.discount);
-        }
+        let Drawn { rows: row, next, actions, values, discounts } = self.replay.draw(rows, &mut self.chance);
+        let rewards = play.rewards(&values, rows);
         let normal = |rows_of: &[f64]| {
             let mut out = vec![0.0; rows * whole];
             play.normalize(rows_of, &mut out);
@@ -371,16 +369,20 @@ impl Mpo {
         Ok(())
     }
 
+    pub fn replay(&self) -> &Replay {
+        &self.replay
+    }
+
     /// What acts: the mean.
     pub fn actor(&self, play: &Play) -> Actor {
         Actor::new(&self.actor, &self.networks.parameters, play, Output::Squashed)
     }
 
-    pub fn state(&self) -> MpoState {
+    pub fn state(&self) -> MpoState<'_> {
         MpoState {
             parameters: self.networks.state(),
             optimizers: self.optimizers.clone(),
-            replay: self.replay.state(),
+            replay: Cow::Borrowed(&self.replay),
             pending: self.pending.clone(),
             exploration: self.exploration.as_ref().map(|(dep, _)| dep.clone()),
             chance: self.chance.clone(),
@@ -390,15 +392,17 @@ impl Mpo {
 
     /// # Errors
     /// Other sizes.
-    pub fn restore(&mut self, state: MpoState) -> Result<(), String> {
+    pub fn restore(&mut self, state: MpoState<'_>) -> Result<(), String> {
         self.networks.restore(&state.parameters)?;
-        self.replay.restore(state.replay)?;
+        self.replay.restore(state.replay.into_owned())?;
         match (&mut self.exploration, state.exploration) {
             (Some((dep, _)), Some(known)) if dep.fits(&known) => *dep = known,
             (None, None) => {}
             _ => return Err("it explores otherwise".into()),
         }
-        if state.pending.len() != self.pending.len() {
+        let [width, entries, terms] = self.replay.widths();
+        let fits = |known: &Pending| [known.row.len(), known.action.len(), known.values.len()] == [width, entries, terms];
+        if state.pending.len() != self.pending.len() || !state.pending.iter().flatten().all(fits) {
             return Err("its transitions are of another number of episodes".into());
         }
         (self.pending, self.optimizers, self.chance) = (state.pending, state.optimizers, state.chance);

@@ -4,7 +4,7 @@ use crate::agent::Actor;
 use crate::error::TrainError;
 use crate::settings::Settings;
 use msk_network::{Moments, Normaliser};
-use msk_runtime::episode::{AutoresetMode, Engine, Episode, EpisodeEnd, EpisodeKey, VectorEnvironment, VectorStep};
+use msk_runtime::episode::{AutoresetMode, Ending, Engine, Episode, EpisodeEnd, EpisodeKey, VectorEnvironment, VectorStep};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
@@ -22,6 +22,8 @@ pub(crate) struct Play {
     /// The last rows of the episodes that ended in the last step, in their slots.
     pub final_rows: Vec<f64>,
     actions: Vec<f64>,
+    /// Of the last step, slot after slot: the value of each term before its weight, 0 where a fault ended the episode.
+    pub values: Vec<f64>,
     /// Episodes that ended since they were last taken.
     pub ends: Vec<EpisodeEnd>,
 }
@@ -61,6 +63,7 @@ impl Play {
             rows: Vec::new(),
             final_rows: Vec::new(),
             actions: vec![0.0; slots.get() * engine.action_size()],
+            values: Vec::new(),
             ends: Vec::new(),
         };
         play.look();
@@ -107,6 +110,18 @@ impl Play {
         self.normaliser.begin_with(actor.moments(rows));
     }
 
+    /// Terms of the task.
+    pub fn terms(&self) -> usize {
+        self.environment.engine().task().terms.len()
+    }
+
+    /// Rewards, as learners see them, by the weights in force now: of values of the terms, for so many transitions.
+    pub fn rewards(&self, values: &[f32], count: usize) -> Vec<f32> {
+        let (terms, weights) = (self.terms(), self.environment.weights(0).unwrap_or_default());
+        let of = |values: &[f32]| weights.iter().zip(values).map(|(weight, value)| weight * f64::from(*value)).sum();
+        (0..count).map(|index| self.scaled(of(&values[index * terms..(index + 1) * terms]))).collect()
+    }
+
     /// A reward as learners see it.
     pub fn scaled(&self, reward: f64) -> f32 {
         if !self.normalizes[1] {
@@ -119,6 +134,13 @@ impl Play {
 
     pub fn set_progress(&mut self, progress: f64) -> Result<(), TrainError> {
         Ok(self.environment.set_progress(progress)?)
+    }
+
+    /// Rewards by these last weights from the next step on.
+    pub fn set_weights(&mut self, weights: &[f64]) {
+        for slot in 0..self.slots() {
+            weights.iter().enumerate().for_each(|(term, weight)| self.environment.set_weight(slot, term, *weight));
+        }
     }
 
     /// Takes a control step in every slot; [`last`](Self::last) has what came of it.
@@ -134,8 +156,27 @@ impl Play {
                 *running = 0.0;
             }
         }
+        self.look_at_terms();
         self.look();
         Ok(())
+    }
+
+    /// Takes in the terms of the last step.
+    fn look_at_terms(&mut self) {
+        let terms = self.terms();
+        self.values.clear();
+        for episode in self.environment.episodes() {
+            // Before the first step of an episode there are none.
+            let found = &episode.report().terms;
+            self.values.extend((0..terms).map(|term| found.get(term).copied().unwrap_or_default()));
+        }
+        for end in &self.environment.last().ends {
+            let of_slot = &mut self.values[end.slot * terms..(end.slot + 1) * terms];
+            of_slot.iter_mut().enumerate().for_each(|(term, value)| *value = end.terms.get(term).copied().unwrap_or_default());
+            if matches!(end.ending, Ending::Fault(_)) {
+                of_slot.fill(0.0);
+            }
+        }
     }
 
     /// The present episodes, slot by slot.

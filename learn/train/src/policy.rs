@@ -98,6 +98,14 @@ pub fn source(text: &str) -> Option<Result<PolicySource, PolicyError>> {
     }
 }
 
+/// An agent as it is now, under a name.
+///
+/// # Errors
+/// The operating system gives no threads.
+pub fn source_of(agent: Agent, name: String) -> Result<PolicySource, PolicyError> {
+    made(name, Choice::One { agent: Arc::new(agent), any_task: false })
+}
+
 fn one(rest: &str) -> Result<PolicySource, PolicyError> {
     let (any_task, path) = match rest.strip_prefix("--any-task") {
         Some(path) => (true, path.trim()),

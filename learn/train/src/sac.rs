@@ -10,11 +10,12 @@ use crate::head::Head;
 use crate::learner::{Losses, Means, Networks, Optimizer};
 use crate::numbers::Numbers;
 use crate::play::Play;
-use crate::replay::{Replay, ReplayState};
+use crate::replay::Replay;
 use crate::settings::{SacSettings, Settings};
 use msk_network::{Kernel, Mlp, Parameters, Tape, Variable};
 use msk_runtime::episode::{EpisodeKey, Stream};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -50,10 +51,10 @@ pub(crate) struct Sac {
 
 /// What of it a checkpoint keeps.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct SacState {
+pub(crate) struct SacState<'a> {
     parameters: Numbers,
     optimizers: [Optimizer; 3],
-    replay: ReplayState,
+    replay: Cow<'a, Replay>,
     chance: Stream,
     due: f64,
     updates: u64,
@@ -96,7 +97,7 @@ impl Sac {
             targets,
             temperature,
             optimizers,
-            replay: Replay::new(settings.sac.replay, [whole, entries]),
+            replay: Replay::new(settings, settings.sac.replay, [whole, entries, play.terms()]),
             chance: Stream::new(EpisodeKey { seed, episode: 0 }, "train/chance"),
             due: 0.0,
             updates: 0,
@@ -168,7 +169,8 @@ impl Sac {
             let next = if last.ended[slot] { &play.final_rows } else { play.rows() };
             let action = &actions[slot * entries..(slot + 1) * entries];
             let discount = if last.terminated[slot] { 0.0 } else { self.discount as f32 };
-            self.replay.push(&before[part.clone()], action, &next[part], last.rewards[slot], discount);
+            let values = &play.values[slot * play.terms()..(slot + 1) * play.terms()];
+            self.replay.push(&before[part.clone()], action, &next[part], values, discount);
         }
     }
 
@@ -195,24 +197,17 @@ impl Sac {
     /// Draws transitions onto an empty tape.
     fn batch(&mut self, play: &Play) -> Batch {
         let ([whole, _], entries, rows) = (play.widths(), play.entries(), self.settings.batch);
-        let (mut row, mut next) = (Vec::new(), Vec::new());
-        let (mut action, mut reward, mut discounts) = (Vec::new(), Vec::new(), Vec::new());
-        for _ in 0..rows {
-            let drawn = self.replay.draw(&mut self.chance);
-            row.extend(drawn.row.iter().map(|value| f64::from(*value)));
-            next.extend(drawn.next.iter().map(|value| f64::from(*value)));
-            action.extend_from_slice(drawn.action);
-            reward.push(play.scaled(f64::from(drawn.reward)));
-            discounts.push(drawn.discount);
-        }
+        let drawn = self.replay.draw(rows, &mut self.chance);
+        let reward = play.rewards(&drawn.values, rows);
         let tape = &mut self.networks.tape;
         tape.clear();
         let mut normal = vec![0.0; rows * whole];
-        play.normalize(&row, &mut normal);
+        play.normalize(&drawn.rows, &mut normal);
         let seen = tape.constant(rows, whole, normal.iter().copied());
-        play.normalize(&next, &mut normal);
+        play.normalize(&drawn.next, &mut normal);
         let next = tape.constant(rows, whole, normal.iter().copied());
-        Batch { rows, seen, action: tape.constant(rows, entries, action), next, reward, discounts }
+        let action = tape.constant(rows, entries, drawn.actions);
+        Batch { rows, seen, action, next, reward, discounts: drawn.discounts }
     }
 
     /// Equations 5 and 6 of arXiv 1812.05905, with the lesser of the target critics: half the squared distance of Q from
@@ -291,16 +286,20 @@ impl Sac {
         Ok(())
     }
 
+    pub fn replay(&self) -> &Replay {
+        &self.replay
+    }
+
     /// What acts: the mean.
     pub fn actor(&self, play: &Play) -> Actor {
         self.head.actor(&self.actor, &self.networks.parameters, play)
     }
 
-    pub fn state(&self) -> SacState {
+    pub fn state(&self) -> SacState<'_> {
         SacState {
             parameters: self.networks.state(),
             optimizers: self.optimizers.clone(),
-            replay: self.replay.state(),
+            replay: Cow::Borrowed(&self.replay),
             chance: self.chance.clone(),
             due: self.due,
             updates: self.updates,
@@ -309,9 +308,9 @@ impl Sac {
 
     /// # Errors
     /// Other sizes.
-    pub fn restore(&mut self, state: SacState) -> Result<(), String> {
+    pub fn restore(&mut self, state: SacState<'_>) -> Result<(), String> {
         self.networks.restore(&state.parameters)?;
-        self.replay.restore(state.replay)?;
+        self.replay.restore(state.replay.into_owned())?;
         (self.optimizers, self.chance) = (state.optimizers, state.chance);
         (self.due, self.updates) = (state.due, state.updates);
         Ok(())

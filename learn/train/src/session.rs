@@ -58,7 +58,7 @@ pub struct Progress {
 /// How a session ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ended {
-    /// All steps were taken.
+    /// All steps that were asked for were taken.
     Whole,
     /// It was asked to stop; it can be continued.
     Interrupted,
@@ -85,6 +85,8 @@ pub struct Session {
     curve: Vec<u8>,
     log: Log,
     events: Option<Events>,
+    /// Control steps at the checkpoint that is there.
+    kept: Option<u64>,
 }
 
 impl Session {
@@ -110,7 +112,8 @@ impl Session {
         // Lines after the checkpoint will be written again.
         folder.replace(Path::new(curve::FILE), &curve)?;
         let log = folder.log(curve::FILE)?;
-        Ok((Self { folder, _lock: lock, training, record, curve, log, events: None }, there.is_some()))
+        let kept = (training.step() > 0).then(|| training.step());
+        Ok((Self { folder, _lock: lock, training, record, curve, log, events: None, kept }, there.is_some()))
     }
 
     /// What decides the training in a folder; `None` where there is none.
@@ -150,6 +153,14 @@ impl Session {
     /// Numbers that are not finite, or a folder that can no longer be written, such as a full disk: what was kept before stays, and the
     /// same command goes on from it.
     pub fn run(&mut self, stop: &AtomicBool, observer: &mut dyn Observer) -> Result<Ended, TrainError> {
+        self.run_to(u64::MAX, stop, observer)
+    }
+
+    /// Trains to the first round that ends at this step or after it, and keeps what there is then.
+    ///
+    /// # Errors
+    /// As [`Session::run`].
+    pub fn run_to(&mut self, step: u64, stop: &AtomicBool, observer: &mut dyn Observer) -> Result<Ended, TrainError> {
         let (begin, first) = (Instant::now(), self.training.step());
         let mut lately = Lately::default();
         loop {
@@ -165,6 +176,12 @@ impl Session {
                 self.write_checkpoint()?;
             }
             if self.training.is_over() {
+                return Ok(Ended::Whole);
+            }
+            if self.training.step() >= step {
+                if self.kept != Some(self.training.step()) {
+                    self.write_checkpoint()?;
+                }
                 return Ok(Ended::Whole);
             }
             if stop.load(Ordering::Relaxed) {
@@ -237,8 +254,24 @@ impl Session {
         let record = rmp_serde::to_vec(&self.record).unwrap_or_default();
         let mut bytes = (record.len() as u64).to_le_bytes().to_vec();
         bytes.extend(record);
-        bytes.extend(self.training.checkpoint());
-        Ok(self.folder.replace(Path::new(CHECKPOINT), &bytes)?)
+        self.training.checkpoint(&mut bytes);
+        self.folder.replace(Path::new(CHECKPOINT), &bytes)?;
+        self.kept = Some(self.training.step());
+        Ok(())
+    }
+
+    /// Writes the present agent into a folder of this name, beside those that evaluations keep.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn keep_agent(&self, name: &str) -> Result<(), TrainError> {
+        Ok(self.training.agent().write(&self.folder, name, &self.curve)?)
+    }
+
+    /// Rewards by these last weights, one for each term, from the next step on. They are no part of a checkpoint: a session that is continued
+    /// has those of its task until it is given others.
+    pub fn set_weights(&mut self, weights: &[f64]) {
+        self.training.set_weights(weights);
     }
 
     /// The present agent.

@@ -10,6 +10,7 @@ use crate::learner::Losses;
 use crate::mpo::{Mpo, MpoState};
 use crate::play::{Play, PlayState};
 use crate::ppo::{Ppo, PpoState};
+use crate::replay::transition_bytes;
 use crate::sac::{Sac, SacState};
 use crate::settings::{Algorithm, Settings};
 use crate::teaching::Lessons;
@@ -58,6 +59,9 @@ pub struct Provenance {
     pub build: String,
 }
 
+/// Bytes of the digest before a checkpoint.
+const DIGEST: usize = 32;
+
 enum Learner {
     Ppo(Box<Ppo>),
     Sac(Box<Sac>),
@@ -66,19 +70,19 @@ enum Learner {
 }
 
 #[derive(Serialize, Deserialize)]
-enum LearnerState {
+enum LearnerState<'a> {
     Ppo(PpoState),
-    Sac(Box<SacState>),
-    Mpo(Box<MpoState>),
+    Sac(Box<SacState<'a>>),
+    Mpo(Box<MpoState<'a>>),
     Imitation(Box<ImitationState>),
 }
 
 /// The state of a training, as a checkpoint has it.
 #[derive(Serialize, Deserialize)]
-struct State {
+struct State<'a> {
     step: u64,
     play: PlayState,
-    learner: LearnerState,
+    learner: LearnerState<'a>,
 }
 
 /// What a round came to.
@@ -92,19 +96,15 @@ pub struct Round {
     pub ends: Vec<EpisodeEnd>,
 }
 
-/// Most bytes of a replay buffer: a checkpoint takes as much once more while it is written.
-const MOST_REPLAY: usize = 4 << 30;
-
-/// Whether so many transitions of a task fit into memory.
-fn check_replay(engine: &Engine, replay: usize) -> Result<(), SettingsError> {
-    let task = engine.task();
-    let row = 4 * (2 * (task.observation_size() + task.critic_size()) + engine.action_size() + 2);
-    if replay.saturating_mul(row) <= MOST_REPLAY {
-        return Ok(());
-    }
-    let most = MOST_REPLAY / row;
-    let expected = format!("at most {most}, which take 4 GiB: a transition of `{}` takes {row} bytes", task.name);
-    Err(SettingsError::Range { line: 0, key: "replay", found: replay.to_string(), expected })
+/// How much a training remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ReplaySize {
+    /// Most transitions that are kept.
+    pub kept: usize,
+    /// Those that the settings ask for.
+    pub wanted: usize,
+    /// Bytes of a transition.
+    pub bytes: usize,
 }
 
 /// Settings with the networks of an agent, which the training begins as.
@@ -148,6 +148,17 @@ fn head(engine: &Engine, settings: &Settings, lessons: &Lessons, seed: u64) -> R
     Ok(Head::Synergies { synergies: synergies.at(&settings.dynsyn, 0.0), settings: settings.dynsyn.clone() })
 }
 
+/// How much a learner remembers.
+fn replay_size(learner: &Learner, settings: &Settings, play: &Play) -> Option<ReplaySize> {
+    let (replay, wanted) = match learner {
+        Learner::Sac(sac) => (sac.replay(), settings.sac.replay),
+        Learner::Mpo(mpo) => (mpo.replay(), settings.mpo.replay),
+        Learner::Ppo(_) | Learner::Imitation(_) => return None,
+    };
+    let bytes = transition_bytes([play.widths()[0], play.entries(), play.terms()], settings.replay_precision);
+    Some(ReplaySize { kept: replay.capacity(), wanted, bytes })
+}
+
 /// A training.
 pub struct Training {
     engine: Engine,
@@ -189,11 +200,6 @@ impl Training {
             None => settings.clone(),
         };
         let algorithm = settings.algorithm;
-        match algorithm {
-            Algorithm::Sac | Algorithm::Simba | Algorithm::Dynsyn => check_replay(engine, settings.sac.replay)?,
-            Algorithm::Mpo => check_replay(engine, settings.mpo.replay)?,
-            Algorithm::Ppo | Algorithm::Clone => {}
-        }
         if algorithm != Algorithm::Clone && (lessons.teacher.is_some() || !lessons.data.is_empty()) {
             return Err(TrainError::NoImitation(algorithm.name()));
         }
@@ -220,6 +226,12 @@ impl Training {
                 Learner::Imitation(imitation) => imitation.begin_as(agent.actor()),
             }
         }
+        let remembers = replay_size(&learner, &settings, &play);
+        if let Some(size) = remembers.filter(|size| size.kept == 0) {
+            let expected = format!("at least {} for a transition of `{}`", size.bytes as f64 / f64::from(1_u32 << 30), task.name);
+            let found = settings.replay_memory.to_string();
+            return Err(SettingsError::Range { line: 0, key: "replay_memory", found, expected }.into());
+        }
         let identity = Identity {
             task: task.name.clone(),
             task_hash: task.hash.clone(),
@@ -244,6 +256,11 @@ impl Training {
     /// What decides every number of it.
     pub fn identity(&self) -> &Identity {
         &self.identity
+    }
+
+    /// How much it remembers, if it learns from what it remembers.
+    pub fn replay(&self) -> Option<ReplaySize> {
+        replay_size(&self.learner, &self.identity.settings, &self.play)
     }
 
     /// The task and its body.
@@ -283,6 +300,11 @@ impl Training {
         Ok(Round { step: self.step, losses, ends: std::mem::take(&mut self.play.ends) })
     }
 
+    /// Rewards by these last weights, one for each term, from the next step on. Evaluations go on with those of the task.
+    pub fn set_weights(&mut self, weights: &[f64]) {
+        self.play.set_weights(weights);
+    }
+
     /// The agent as it is now.
     pub fn agent(&self) -> Agent {
         let actor = match &self.learner {
@@ -308,8 +330,8 @@ impl Training {
         self.play.continues()
     }
 
-    /// The state between two rounds, as bytes.
-    pub fn checkpoint(&mut self) -> Vec<u8> {
+    /// Appends the state between two rounds. A replay buffer is copied here alone.
+    pub fn checkpoint(&mut self, bytes: &mut Vec<u8>) {
         if self.play.at_checkpoint()
             && let Learner::Mpo(mpo) = &mut self.learner
         {
@@ -322,11 +344,12 @@ impl Training {
             Learner::Imitation(imitation) => LearnerState::Imitation(Box::new(imitation.state())),
         };
         let state = State { step: self.step, play: self.play.state(), learner };
-        // Plain data always has a MessagePack form.
-        let body = rmp_serde::to_vec(&state).unwrap_or_default();
-        let mut bytes = Sha256::digest(&body).to_vec();
-        bytes.extend(body);
-        bytes
+        let begin = bytes.len();
+        bytes.extend([0; DIGEST]);
+        // Plain data always has a MessagePack form, and memory takes all bytes.
+        let _ = rmp_serde::encode::write(bytes, &state);
+        let digest = Sha256::digest(&bytes[begin + DIGEST..]);
+        bytes[begin..begin + DIGEST].copy_from_slice(&digest);
     }
 
     /// Goes on from a checkpoint of a training of the same identity, bit for bit.
@@ -334,11 +357,11 @@ impl Training {
     /// # Errors
     /// Damaged bytes, or those of another training, in words that follow a colon.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let (digest, body) = bytes.split_at_checked(32).ok_or("it is too short")?;
+        let (digest, body) = bytes.split_at_checked(DIGEST).ok_or("it is too short")?;
         if Sha256::digest(body)[..] != *digest {
             return Err("it is damaged".into());
         }
-        let state: State = rmp_serde::from_slice(body).map_err(|error| format!("it was made by another version: {error}"))?;
+        let state: State<'_> = rmp_serde::from_slice(body).map_err(|error| format!("it was made by another version: {error}"))?;
         self.play.restore(state.play)?;
         match (&mut self.learner, state.learner) {
             (Learner::Ppo(ppo), LearnerState::Ppo(state)) => ppo.restore(state)?,

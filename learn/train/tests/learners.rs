@@ -11,7 +11,8 @@ use msk_runtime::library::{BodyLibrary, FileLoader};
 use msk_runtime::policy::{Policy, PolicyContext, PolicyError, PolicyMaker, PolicySource};
 use msk_train::session::{Ended, Observer, Progress, Session};
 use msk_train::{
-    Agent, Agents, Algorithm, DataSet, Evaluation, Lessons, Preset, Provenance, Round, Settings, TrainError, Training, source,
+    Agent, Agents, Algorithm, DataSet, Evaluation, Lessons, Precision, Preset, Provenance, ReplaySize, Round, Settings,
+    TrainError, Training, source,
 };
 use std::fs;
 use std::num::NonZeroUsize;
@@ -65,6 +66,8 @@ fn small(algorithm: Algorithm) -> Settings {
     settings.mpo.replay = 500;
     settings.mpo.updates = 0.05;
     settings.mpo.block = 4;
+    // One of them remembers in 16 bits.
+    settings.replay_precision = if algorithm == Algorithm::Mpo { Precision::Compact } else { Precision::Single };
     settings.dep.probability = 0.05;
     settings.clone.batch = 16;
     settings.clone.updates = 0.05;
@@ -117,12 +120,18 @@ fn played(engine: &Engine, settings: &Settings, threads: usize, rounds: usize, b
     for _ in 0..rounds {
         present.round().unwrap();
         if breaks {
-            let state = present.checkpoint();
+            let state = checkpoint(&mut present);
             present = training(engine, settings, threads);
             present.restore(&state).unwrap();
         }
     }
-    present.checkpoint()
+    checkpoint(&mut present)
+}
+
+fn checkpoint(training: &mut Training) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    training.checkpoint(&mut bytes);
+    bytes
 }
 
 #[test]
@@ -377,13 +386,36 @@ fn an_agent_in_half_precision_is_small_and_acts_almost_as_before() {
 }
 
 #[test]
-fn a_replay_buffer_that_does_not_fit_into_memory_is_refused() {
+fn a_replay_buffer_keeps_what_fits_into_its_memory() {
     let engine = engine(&[]);
     let mut settings = small(Algorithm::Sac);
     settings.sac.replay = 200_000_000;
-    let message = Training::new(&engine, &settings, (1, 100), NonZeroUsize::MIN).err().unwrap().to_string();
-    let expected = "`replay` is 200000000; expected at most 119304647, which take 4 GiB: a transition of `hold` takes 36 bytes";
-    assert_eq!(message, expected);
+    let size = |settings: &Settings| Training::new(&engine, settings, (1, 100), NonZeroUsize::MIN).unwrap().replay().unwrap();
+    assert_eq!(size(&settings), ReplaySize { kept: 119_304_647, wanted: 200_000_000, bytes: 36 });
+    settings.replay_precision = Precision::Compact;
+    assert_eq!(size(&settings), ReplaySize { kept: 195_225_786, wanted: 200_000_000, bytes: 22 });
+    assert!(Training::new(&engine, &small(Algorithm::Ppo), (1, 100), NonZeroUsize::MIN).unwrap().replay().is_none());
+}
+
+/// The finding: transitions kept the reward of the weights under which they were played, whatever became of the weights.
+#[test]
+fn what_is_remembered_is_rewarded_by_the_weights_in_force() {
+    let engine = engine(&[]);
+    for algorithm in [Algorithm::Sac, Algorithm::Mpo] {
+        let mut settings = small(algorithm);
+        // Nothing is learned from in the first round.
+        (settings.sac.start, settings.mpo.start) = (400, 400);
+        let learned = |weights: [f64; 2]| {
+            let mut training = training(&engine, &settings, 1);
+            for weight in weights {
+                training.set_weights(&[weight]);
+                training.round().unwrap();
+            }
+            training.agent().digest()
+        };
+        assert_eq!(learned([5.0, 1.0]), learned([1.0, 1.0]), "{algorithm:?}");
+        assert_ne!(learned([1.0, 5.0]), learned([1.0, 1.0]), "{algorithm:?}");
+    }
 }
 
 #[test]

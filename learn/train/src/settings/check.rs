@@ -9,7 +9,7 @@ impl Settings {
     pub(crate) fn check(&self, text: &str) -> Result<(), SettingsError> {
         let checked = Checked::of(text);
         let Self { ppo, sac, dynsyn, mpo, dep, clone, .. } = self;
-        let numbers: [(&'static str, f64, RangeInclusive<f64>); 36] = [
+        let numbers: [(&'static str, f64, RangeInclusive<f64>); 37] = [
             ("discount", self.discount, 0.0..=1.0),
             ("learning_rate", ppo.learning_rate, 1e-8..=1.0),
             ("lambda", ppo.lambda, 0.0..=1.0),
@@ -45,6 +45,7 @@ impl Settings {
             ("updates", clone.updates, 1e-4..=64.0),
             ("guided", clone.guided, 0.0..=1.0),
             ("critics_first", self.critics_first as f64, 0.0..=1e12),
+            ("replay_memory", self.replay_memory, 1e-3..=1024.0),
             ("evaluate_every", self.evaluate_every as f64, 1.0..=1e12),
         ];
         for (key, found, range) in numbers {

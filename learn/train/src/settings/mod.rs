@@ -66,6 +66,17 @@ impl Preset {
     pub const NAMED: [(&'static str, Self); 2] = [("fast", Self::Fast), ("paper", Self::Paper)];
 }
 
+/// How exactly a replay buffer keeps numbers.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Precision {
+    /// Single precision: 32 bits.
+    #[default]
+    Single,
+    /// 16 bits: a share of what a number's column spans in a block of transitions.
+    Compact,
+}
+
 /// Settings of a training.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -98,6 +109,10 @@ pub struct Settings {
     pub evaluation_episodes: usize,
     /// Control steps from one checkpoint to the next.
     pub checkpoint_every: u64,
+    /// How exactly replay buffers keep observations and actions.
+    pub replay_precision: Precision,
+    /// Memory of a replay buffer, GiB: it keeps as many transitions as fit, if `replay` asks for more.
+    pub replay_memory: f64,
     /// Control steps for which a training that starts as an agent improves its critics alone.
     pub critics_first: u64,
     /// Those of PPO.

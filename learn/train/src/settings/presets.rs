@@ -1,6 +1,8 @@
 //! Presets: what settings are where a file says nothing.
 
-use super::{Algorithm, CloneSettings, DepSettings, DynsynSettings, MpoSettings, PpoSettings, Preset, SacSettings, Settings};
+use super::{
+    Algorithm, CloneSettings, DepSettings, DynsynSettings, MpoSettings, PpoSettings, Precision, Preset, SacSettings, Settings,
+};
 use msk_network::Activation;
 
 impl Settings {
@@ -43,6 +45,8 @@ impl Settings {
             evaluate_every: 50_000,
             evaluation_episodes: 10,
             checkpoint_every: 50_000,
+            replay_precision: Precision::Single,
+            replay_memory: 4.0,
             critics_first: 10_000,
             ppo: PpoSettings::default(),
             sac,
