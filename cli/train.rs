@@ -14,7 +14,7 @@ use msk::compiler::numbers::for_people;
 use msk::evaluate::BUILD;
 use msk::runtime::episode::Engine;
 use msk::train::session::{BEST_BY_RETURN, BEST_BY_SUCCESS, Ended, Observer, Progress, Session};
-use msk::train::{Algorithm, Evaluation, Lessons, Preset, Provenance, Round, Settings, TrainError, Training};
+use msk::train::{Algorithm, Evaluation, Lessons, Preset, Provenance, ReplaySize, Round, Settings, TrainError, Training};
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -135,6 +135,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (mut session, resumed) = Session::open(&folder, training).map_err(|error| explain(error, &folder))?;
     let name = settings.algorithm.name();
     writeln!(io::stderr(), "{}: {name}, {steps} steps, seed {}, in `{}`", trial.task.name, args.seed, folder.display())?;
+    if let Some(size) = session.training().replay().filter(|size| size.kept < size.wanted) {
+        writeln!(io::stderr(), "{}", replay_note(&size))?;
+    }
     if resumed {
         writeln!(io::stderr(), "resuming after {} steps", session.training().step())?;
     }
@@ -158,6 +161,14 @@ fn settings(args: &Args) -> Result<Settings, Error> {
     let Some(path) = &args.learner else {
         return Ok(Settings::of(args.algorithm.unwrap_or_default(), args.preset.unwrap_or_default()));
     };
+    read_settings(path)
+}
+
+/// The settings of a learner in a file.
+///
+/// # Errors
+/// A file that cannot be read, or settings that make no sense.
+pub fn read_settings(path: &Path) -> Result<Settings, Error> {
     let text = msk_storage::read_text_file(path, 1 << 20)?;
     Settings::read(&text)
         .map_err(|error| Error::new(format!("`{}`: {error}", path.display())).hint("`msk help training` lists all settings"))
@@ -210,6 +221,13 @@ fn explain(error: TrainError, folder: &Path) -> Error {
         Some(hint) => error.hint(hint),
         None => error,
     }
+}
+
+/// That fewer transitions are kept than the settings ask for.
+fn replay_note(size: &ReplaySize) -> String {
+    let ReplaySize { kept, wanted, bytes } = size;
+    let others = "`replay_precision = \"compact\"` takes half the memory, `replay_memory` allows more";
+    format!("keeps the last {kept} of {wanted} transitions, because one takes {bytes} bytes: {others}")
 }
 
 /// Prints the best agents.

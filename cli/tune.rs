@@ -1,5 +1,8 @@
 //! `msk tune TASK`: episodes, statistics, a reasoner, the rules of change, again.
 
+mod learner;
+
+use self::learner::Wanted;
 use crate::condition::Condition;
 use crate::error::{Error, FAILURE};
 use crate::interrupt::Interrupt;
@@ -33,8 +36,9 @@ pub struct Args {
     /// (command, environment) or kind = "rules"
     #[arg(long, default_value = "rules", value_name = "rules | FILE")]
     reasoner: String,
-    /// The policy: plan (search on the reward itself: "plan fast", "plan good", "plan best" or "plan FILE" with settings). Others, as
-    /// `msk run --policy` names them, do the same whatever the weights are; they are accepted with --rehearse only
+    /// The policy: plan (search on the reward itself: "plan fast", "plan good", "plan best" or "plan FILE" with settings), or learner (an
+    /// agent that goes on learning before each round: "learner", "learner ALGORITHM" or "learner FILE" with settings of `msk train`).
+    /// Others, as `msk run --policy` names them, do the same whatever the weights are; they are accepted with --rehearse only
     #[arg(long, default_value = "plan", value_name = "POLICY")]
     policy: String,
     #[command(flatten)]
@@ -45,7 +49,13 @@ pub struct Args {
     rehearse: bool,
     #[command(flatten)]
     condition: Condition,
-    /// Control steps of a round, of all workers together [default: 3000 of a policy that plans, else 20000]
+    /// For a learner: control steps that it learns from before each round
+    #[arg(long, value_name = "STEPS", default_value_t = 20_000, value_parser = clap::value_parser!(u64).range(1..))]
+    learn: u64,
+    /// For a learner: the agent that it begins as, the folder of an agent or of a training
+    #[arg(long, value_name = "DIR")]
+    start: Option<PathBuf>,
+    /// Control steps of a round, of all workers together [default: 3000 of a policy that plans, 10000 of a learner, else 20000]
     #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u64).range(1..))]
     interval: Option<u64>,
     /// Maximal number of rounds
@@ -90,6 +100,7 @@ pub struct Args {
 
 /// Control steps of a round by default: of a policy that imagines hundreds of steps for each, and of another.
 const PLANNED: u64 = 3_000;
+const LEARNED: u64 = 10_000;
 const PLAYED: u64 = 20_000;
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -115,14 +126,29 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (project, mut trial) = Project::find(&args.task, &args.parameters.settings)?;
     args.condition.apply(std::slice::from_mut(&mut trial))?;
     args.overlays.apply(&project, std::slice::from_mut(&mut trial))?;
-    let policy = args.limits.source(&args.policy)?;
-    if !policy.reacts_to_weights() && !args.rehearse {
+    let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
+    let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
+    let folder = match args.out {
+        Some(folder) => folder,
+        None => crate::eval::fresh_folder(&format!("{}-tune", trial.task.name))?,
+    };
+    let wanted = Wanted::parse(&args.policy, args.start, args.learn)?;
+    let mut learning = wanted.map(|wanted| wanted.open(&trial, &folder, (args.seed, args.rounds), threads)).transpose()?;
+    let policy = match &learning {
+        Some(learning) => learning.policy()?,
+        None => args.limits.source(&args.policy)?,
+    };
+    if learning.is_none() && !policy.reacts_to_weights() && !args.rehearse {
         let message =
             format!("`{}` does the same whatever the weights are, so tuning them cannot improve what it does", policy.name());
-        let hint = "use `--policy plan`, or `--rehearse` to try out a reasoner all the same; a learner reads weights.toml (docs/weights.md)";
+        let hint = "use `--policy plan` or `--policy learner`, or `--rehearse` to try out a reasoner all the same";
         return Err(Error::new(message).hint(hint));
     }
-    let interval = args.interval.unwrap_or(if policy.reacts_to_weights() { PLANNED } else { PLAYED });
+    let interval = args.interval.unwrap_or(match &learning {
+        Some(_) => LEARNED,
+        None if policy.reacts_to_weights() => PLANNED,
+        None => PLAYED,
+    });
     let reasoner: Box<dyn Reasoner> = match args.reasoner.as_str() {
         "rules" => Box::new(RuleBook),
         file => from_file(Path::new(file), |name| std::env::var(name).ok())?,
@@ -146,20 +172,21 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
             Failure::Stop => OnFailure::Stop,
         },
     };
-    let folder = match args.out {
-        Some(folder) => folder,
-        None => crate::eval::fresh_folder(&format!("{}-tune", trial.task.name))?,
-    };
     let progress = Progress::new(interval);
     let bar = progress.bar.clone();
+    if let Some(learning) = &mut learning {
+        learning.show(bar.clone());
+    }
     let mut session = Session::open(&folder, settings, trial, move |message| bar.suspend(|| print(message)))?;
     if !session.rounds().is_empty() {
         print(&format!("resuming `{}`: {} of {} rounds exist", folder.display(), session.rounds().len(), args.rounds));
     }
     let interrupt = Interrupt::listen()?;
-    let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
-    let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
-    let ended = session.run(reasoner.as_ref(), threads, interrupt.stop(), &progress)?;
+    let stop = interrupt.stop();
+    let ended = match &mut learning {
+        Some(learning) => session.run_learner(learning, reasoner.as_ref(), threads, stop, &progress)?,
+        None => session.run(reasoner.as_ref(), threads, stop, &progress)?,
+    };
     progress.bar.finish_and_clear();
     finish(&session, ended, &interrupt)
 }

@@ -134,3 +134,56 @@ fn a_key_that_an_endpoint_repeats_is_shown_nowhere() {
         assert!(!text.contains("sk-v"), "{text}");
     }
 }
+
+/// The pendulum with a second term, and settings of a small learner that checks in often.
+fn learner_project() -> Project {
+    let project = super::train::project();
+    let text = project.read("pendulum.msk").replace("        1 near", "        -0.01 effort = sum(action^2)\n        1 near");
+    project.write("pendulum.msk", &text);
+    project
+}
+
+fn tune_learner(project: &Project, out: &str) -> std::process::Command {
+    let policy = ["tune", "pendulum.msk", "--policy", "learner learner.toml", "--learn", "3000", "--interval", "200"];
+    project.command(&[&policy[..], &["--rounds", "4", "--threads", "1", "--out", out]].concat())
+}
+
+/// The rounds of a session but for their times.
+fn rounds(project: &Project, out: &str) -> Vec<Value> {
+    let read = |line: &str| {
+        let mut round = serde_json::from_str::<Value>(line).unwrap();
+        round.as_object_mut().unwrap().remove("time");
+        round
+    };
+    project.read(&format!("{out}/rounds.jsonl")).lines().map(read).collect()
+}
+
+/// What is rewarded decides what is learned, round by round; and a session that is killed learns what an undisturbed one does.
+#[test]
+fn a_learner_is_tuned_and_a_killed_session_ends_as_an_undisturbed_one() {
+    let project = learner_project();
+    let done = super::project::Done::from(tune_learner(&project, "whole").output().unwrap()).succeeded();
+    assert!(done.out.contains("round 4: score"), "{}", done.out);
+    let whole = rounds(&project, "whole");
+    assert_ne!(whole[0]["weights"], whole[3]["weights"]);
+    assert_ne!(whole[0]["statistics"]["return"], whole[3]["statistics"]["return"]);
+    project.msk(&["run", "pendulum.msk", "--policy", "agent whole/training/best-by-objective"]).succeeded();
+
+    let mut child = tune_learner(&project, "parts").spawn().unwrap();
+    let start = std::time::Instant::now();
+    while std::fs::read_to_string(project.path("parts/rounds.jsonl")).map_or(0, |text| text.lines().count()) < 2 {
+        assert!(start.elapsed() < std::time::Duration::from_secs(60), "no round has ended");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    super::project::Done::from(tune_learner(&project, "parts").output().unwrap()).succeeded();
+    assert_eq!(rounds(&project, "parts"), whole);
+    for agent in ["best-by-objective", "last"] {
+        let bytes =
+            |folder: &str| std::fs::read(project.path(folder).join("training").join(agent).join("policy.safetensors")).unwrap();
+        assert!(bytes("parts") == bytes("whole"), "{agent}");
+    }
+    project.msk(&["tune", "pendulum.msk", "--policy", "learner clone"]).failed(1, &["whatever the weights are", "ppo, sac"]);
+    project.msk(&["tune", "pendulum.msk", "--policy", "learner nothing.toml"]).failed(1, &["nothing.toml"]);
+}

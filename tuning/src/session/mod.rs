@@ -13,10 +13,12 @@
 //! A round ends with the episode in which the control steps of all workers together reach the interval. Episodes are counted
 //! in the order of their index, so what belongs to a round does not depend on how many workers there are.
 
+mod learner;
 mod log;
 mod play;
 mod settings;
 
+pub use learner::{Learner, LearnerError};
 pub use log::{Applied, Round};
 pub use settings::{KeptRules, Objective, OnFailure, Settings};
 
@@ -25,6 +27,7 @@ use crate::overlay::{EditError, edited};
 use crate::reasoner::{Past, Proposal, Reasoner, ReasonerError, Request, prompt};
 use crate::statistics::Statistics;
 use crate::store::{Store, StoreError, Version};
+use learner::Fixed;
 use log::{Log, LogError};
 use msk_compiler::weights::rules::{RuleError, Weight, normalized};
 use msk_compiler::weights::{Bounds, Problem};
@@ -84,6 +87,9 @@ pub enum SessionError {
     /// The folder, or a file in it, cannot be used.
     #[error(transparent)]
     Storage(#[from] StorageError),
+    /// What learns between the rounds cannot go on.
+    #[error(transparent)]
+    Learner(#[from] LearnerError),
     /// The log cannot be used.
     #[error(transparent)]
     Log(#[from] LogError),
@@ -207,13 +213,36 @@ impl Session {
         stop: &AtomicBool,
         watcher: &dyn Watcher,
     ) -> Result<Ended, SessionError> {
+        self.run_learner(&mut Fixed(self.settings.policy.clone()), reasoner, threads, stop, watcher)
+    }
+
+    /// [`Session::run`] with a policy that learns before each round by the weights in force; that of the settings names it.
+    ///
+    /// # Errors
+    /// As there, and a learner that cannot go on.
+    pub fn run_learner(
+        &mut self,
+        learner: &mut dyn Learner,
+        reasoner: &dyn Reasoner,
+        threads: NonZeroUsize,
+        stop: &AtomicBool,
+        watcher: &dyn Watcher,
+    ) -> Result<Ended, SessionError> {
+        // A session that ended right after its best round left the policy of an earlier one.
+        if self.best().is_some_and(|best| best.round == self.rounds().len() as u64) {
+            learner.keep()?;
+        }
         // A session that its reasoner ended goes on with the next round: the user who continues it has fixed the reasoner.
         while !self.spent() {
             let counted = self.rounds().last().map_or(0, |round| round.episodes[1]);
+            let (_, weights) = self.weights();
+            let Some(policy) = learner.learn(self.rounds().len() as u64 + 1, &weights, stop)? else {
+                return Ok(Ended::Interrupted);
+            };
             let records = std::mem::take(&mut self.open);
             let hall = play::Hall {
                 trial: &self.trial,
-                policy: &self.settings.policy,
+                policy: &policy,
                 seed: self.settings.seed,
                 interval: self.settings.interval,
                 feed: self.live.as_ref(),
@@ -229,6 +258,9 @@ impl Session {
                 Some(round) => round,
                 None => return Ok(Ended::Interrupted),
             };
+            if self.best().is_some_and(|best| best.round == round.round) {
+                learner.keep()?;
+            }
             watcher.round(&round);
             if round.rejected.is_some() && self.settings.on_failure == OnFailure::Stop {
                 return Ok(Ended::Failed);
@@ -256,8 +288,7 @@ impl Session {
         watcher: &dyn Watcher,
     ) -> Result<Option<Round>, SessionError> {
         let task = &self.trial.task;
-        let in_force = self.live.current();
-        let weights = in_force.tasks.first().map(|(_, weights)| weights.clone()).unwrap_or_else(|| task.weights());
+        let (version, weights) = self.weights();
         let statistics = Statistics::of(task, &weights, &self.in_scope, &self.open);
         let number = self.rounds().len() as u64 + 1;
         let score = self.settings.objective.score(&statistics, task.horizon);
@@ -297,7 +328,7 @@ impl Session {
             reasoner: reasoner.name(),
             score,
             weights: named(&weights),
-            version: in_force.version.clone(),
+            version,
             prompt: if last { String::new() } else { prompt(&request) },
             statistics,
             proposal,
@@ -316,6 +347,13 @@ impl Session {
         }
         self.open.clear();
         Ok(Some(round))
+    }
+
+    /// The weights in force, with their version.
+    fn weights(&self) -> (String, Vec<f64>) {
+        let in_force = self.live.current();
+        let weights = in_force.tasks.first().map(|(_, weights)| weights.clone());
+        (in_force.version.clone(), weights.unwrap_or_else(|| self.trial.task.weights()))
     }
 
     fn request(&self, round: u64, statistics: Statistics) -> Request {

@@ -19,7 +19,7 @@ const LARGEST: u64 = 1 << 20;
 /// How a session is run. What it may spend may differ from one call to the next; the rest is its identity.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    /// The policy that plays.
+    /// The policy that plays; with a [`Learner`](super::Learner) its name alone counts, as part of the identity.
     pub policy: PolicySource,
     /// Seed of all chance.
     pub seed: u64,
