@@ -155,7 +155,7 @@ fn rounds(project: &Project, out: &str) -> Vec<Value> {
         round.as_object_mut().unwrap().remove("time");
         round
     };
-    project.read(&format!("{out}/rounds.jsonl")).lines().map(read).collect()
+    project.read(format!("{out}/rounds.jsonl")).lines().map(read).collect()
 }
 
 /// What is rewarded decides what is learned, round by round; and a session that is killed learns what an undisturbed one does.
