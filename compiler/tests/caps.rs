@@ -120,6 +120,57 @@ fn a_term_that_is_never_finite_is_an_error() {
 }
 
 #[test]
+fn a_comparison_with_what_is_never_finite_is_an_error() {
+    for condition in ["0 / 0 > 1", "com.height > 1 m / 0", "not com.speed < log(-1) * 1 m/s", "exp(1000) >= 1"] {
+        let block = format!("terminate {{ low when {condition} }}");
+        assert_eq!(codes(&complete(&block)), ["E0411"], "{condition}");
+    }
+    assert!(!codes(&complete("terminate { low when 1 / com.position.x > 2 / 1 m }")).contains(&"E0411"));
+}
+
+#[test]
+fn numbers_in_messages_are_short_whatever_a_text_holds() {
+    let statements = [
+        "success pelvis.height > 1e308 m",
+        "success pelvis.height > -1e308 m and knee_angle_r.q < 1e307 deg",
+        "terminate { bent when knee_angle_r.q > 1e308 rad }",
+        "terminate { low when held(com.height < 1e-308 m, 1e300 s) }",
+        "reward { 1 a = tolerance(com.height, 1e308 m, 1.1e308 m, 1e-308 m) }",
+        "reward { 1e308 (1e307..1e308) a = torso.up.z * 1e308 }",
+        "reward { 1 a = knee_angle_r.q - 1e308 rad }",
+        "params { speed = 1e308 m/s (1e300..1e307 m/s) }",
+        "control 1e-308 Hz",
+        "control 1e308 Hz",
+        "control 123.456789e-300 Hz",
+        "horizon 1e308 s",
+        "horizon 1e-308 s",
+        "init { pose neutral { knee_angle_r = 1e308 deg } }",
+        "init { pose neutral\n root { height 1e308 m } }",
+        "init { pose neutral\n noise joints normal(0, 1e308 rad) }",
+        "init { pose neutral\n settle 1e308 s }",
+        "act torque { joints legs, range 1e308 N*m }",
+        "disturb pelvis { force [1e308 N, 0, 0], at 1e308 s, for 0.1 s }",
+        "observe { pelvis.height noise normal(0, 1e308 m) scale 1e-308 m clip -1e308 m .. 1e308 m }",
+        "random x = uniform(1e308 m .. 1e307 m)",
+        "test \"far\" { pose neutral { root.at = [1e308 m, 0 m] }\n expect pelvis.height > 1e308 m }",
+    ];
+    for statement in statements {
+        let diagnostics = match compile_text(&complete(statement), &[]) {
+            Ok(compilation) => compilation.warnings,
+            Err(Report { diagnostics, .. }) => diagnostics,
+        };
+        for diagnostic in diagnostics {
+            let notes = diagnostic.expected.iter().chain(&diagnostic.found).chain(&diagnostic.help);
+            let labels = diagnostic.labels.iter().map(|label| &label.text).chain(diagnostic.fixes.iter().map(|fix| &fix.title));
+            for text in notes.chain(labels).chain([&diagnostic.message]) {
+                let longest = text.split(|c: char| !c.is_ascii_digit()).map(str::len).max().unwrap_or_default();
+                assert!(longest <= 17, "{statement}: {text}");
+            }
+        }
+    }
+}
+
+#[test]
 fn functions_and_names_hide_no_event() {
     let library = "fn own_once(c) = once(c)\nfn own_rising(c) = rising(c)\nfn own_falling(c) = falling(c)\n";
     let events = ["once", "own_once", "rising", "own_rising", "falling", "own_falling"];

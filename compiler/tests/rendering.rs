@@ -73,9 +73,24 @@ fn a_place_over_several_lines_is_marked_on_its_first() {
 
 #[test]
 fn nothing_in_a_file_reaches_the_terminal_as_a_command() {
-    let text = "let \u{1b}[2Jx = \u{202e}1\n";
-    let shown = rendered(error_at(text, "x"));
-    assert!(!shown.contains('\u{1b}') && !shown.contains('\u{202e}'), "{shown:?}");
+    let text = "let \u{1b}[2J\u{9b}2Jx = \u{202e}1 // \u{200b}\n";
+    let (sources, mut diagnostic) = error_at(text, "x");
+    diagnostic.message = "undefined name `\u{202e}x`".to_owned();
+    insta::assert_snapshot!(rendered((sources, diagnostic)), @r"
+    error[E0101]: undefined name `<U+202E>x`
+     --> tasks/example.msk:1:19
+      |
+    1 | let ␛[2J<U+009B>2Jx = <U+202E>1 // <U+200B>
+      |                   ^ this
+    ");
+}
+
+#[test]
+fn the_name_of_a_file_is_no_command_either() {
+    let mut sources = SourceMap::default();
+    let file = sources.add("a\u{1b}]0;b\u{7}\u{2067}.msk", "x\n");
+    let shown = Diagnostic::new(codes::syntax::UNEXPECTED, file, Span::new(0, 1), "wrong").render(&sources, Style::Plain);
+    assert!(shown.contains("--> a\u{241b}]0;b\u{2407}<U+2067>.msk:1:1"), "{shown:?}");
 }
 
 #[test]

@@ -50,6 +50,12 @@ pub fn exact(value: f64) -> String {
     format!("{}", if value == 0.0 { 0.0 } else { value })
 }
 
+/// The same as [`exact`] without the tail of binary roundings, nine places behind the point: `0.3` for the sum of 0.1 and 0.2.
+pub fn tidy(value: f64) -> String {
+    // Beyond a million the tail is no longer one of roundings, and 1e300 times 1e9 would be infinite.
+    exact(if value.abs() < 1e6 { (value * 1e9).round() / 1e9 } else { value })
+}
+
 fn trimmed(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
@@ -78,6 +84,12 @@ mod tests {
     fn exact_numbers_are_as_short_as_they_can_be() {
         let texts = [12.0, -0.01, 0.1 + 0.2, 1e-7, 2.5e20, -0.0].map(exact);
         assert_eq!(texts, ["12", "-0.01", "0.30000000000000004", "1e-7", "2.5e20", "0"]);
+    }
+
+    #[test]
+    fn a_tidy_number_has_no_tail_and_is_never_long() {
+        let texts = [0.1 + 0.2, 1e-7, -4.000_000_000_1, 1e308, f64::MAX, 0.0].map(tidy);
+        assert_eq!(texts, ["0.3", "1e-7", "-4", "1e308", "1.7976931348623157e308", "0"]);
     }
 
     proptest! {

@@ -302,6 +302,9 @@ impl<'a> Checker<'a> {
                 return Err(self.report(diagnostic));
             }
         }
+        for (data, expr) in [&left, &right] {
+            self.must_be_finite(data, expr)?;
+        }
         let (span, written) = (left.1.span.to(right.1.span), [left.1, right.1]);
         let (a, b, kind) = self.agree("compare", left, right)?;
         self.warn_identical(a, b, span);
@@ -325,6 +328,16 @@ impl<'a> Checker<'a> {
             self.comparisons.push(Compared { node, sides: [a, b], file: self.place.file, span, unit });
         }
         Ok(TypedValue::new(node, kind.with_element(ElementType::Bool)))
+    }
+
+    /// A side of a comparison that is infinite or no number in every state decides it, whatever the other side is.
+    fn must_be_finite(&mut self, data: &TypedValue, expr: &Expr) -> Checked<()> {
+        let lanes = self.graph.constant_lanes(data.node).unwrap_or_default();
+        let Some(value) = lanes.into_iter().find(|value| !value.is_finite()) else { return Ok(()) };
+        let message = format!("this side of the comparison is {} in every state", for_people(value));
+        let diagnostic = self.diagnostic(codes::tasks::NOT_FINITE, expr.span, message);
+        let verdict = if value.is_nan() { "no comparison with NaN holds" } else { "every number is on the same side of it" };
+        Err(self.report(diagnostic.help(format!("{verdict}: look for a division by zero"))))
     }
 
     /// Warns of a thing that is compared with, subtracted from or joined to itself.

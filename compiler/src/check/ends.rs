@@ -8,10 +8,13 @@ use super::value::{TypedValue, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Reduction, Unary};
-use crate::numbers::exact;
+use crate::numbers::{distinguished, exact, for_people, tidy};
 use crate::resolve::inherit::Placed;
 use crate::resolve::scope::Place;
 use crate::syntax::tree::{Clock, Ends, Entry, Expr, ExprKind, Ident, Reason, TaskStatement};
+
+/// Most control steps in an episode.
+pub(crate) const LONGEST_EPISODE: f64 = 1e8;
 
 /// Failures, or ends that are none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -213,7 +216,7 @@ impl<'a> Checker<'a> {
         let data = self.data(expr)?;
         let known = self.graph.constant_value(data.node);
         match (known, &data.kind) {
-            (Some(steps), Type::One(ElementType::Steps)) if steps >= 0.0 => Ok(steps),
+            (Some(steps), Type::One(ElementType::Steps)) if steps >= 0.0 => self.within_an_episode(steps, expr.span),
             (Some(seconds), Type::One(ElementType::Number(Dimension::TIME))) if seconds >= 0.0 => {
                 self.whole_steps(seconds, expr.span)
             }
@@ -241,10 +244,10 @@ impl<'a> Checker<'a> {
     }
 
     fn whole_steps(&mut self, seconds: f64, span: Span) -> Checked<f64> {
-        let steps = seconds / self.timing.interval;
+        let steps = self.within_an_episode(seconds / self.timing.interval, span)?;
         let rounded = steps.round();
         // A quotient of two decimal fractions is off by a few roundings, never by a millionth of a step.
-        if (steps - rounded).abs() < 1e-6 && rounded <= f64::from(u32::MAX) {
+        if (steps - rounded).abs() < 1e-6 {
             return Ok(rounded);
         }
         let (below, above) = (steps.floor() * self.timing.interval, steps.ceil() * self.timing.interval);
@@ -257,6 +260,28 @@ impl<'a> Checker<'a> {
                 exact(steps.ceil())
             ));
         Err(self.report(diagnostic))
+    }
+
+    /// A number of control steps that an episode may have.
+    fn within_an_episode(&mut self, steps: f64, span: Span) -> Checked<f64> {
+        if steps <= LONGEST_EPISODE {
+            return Ok(steps);
+        }
+        let [most, found] = self.durations_in_words([LONGEST_EPISODE, steps]);
+        let diagnostic = self
+            .diagnostic(codes::types::DURATION, span, "this is longer than any episode")
+            .expected(format!("at most {most}"))
+            .found(found);
+        Err(self.report(diagnostic))
+    }
+
+    /// Numbers of control steps that differ to the eye, and in seconds.
+    pub(crate) fn durations_in_words(&self, durations: [f64; 2]) -> [String; 2] {
+        let shown = distinguished(&durations);
+        [0, 1].map(|place| {
+            let seconds = for_people(durations[place] * self.timing.interval);
+            format!("{} steps ({seconds} s)", shown[place])
+        })
     }
 
     /// The value of a declared state: before its update in formulas, after it in observations.
@@ -296,9 +321,4 @@ impl<'a> Checker<'a> {
         let node = self.graph.unary(Unary::Wrap, angle);
         Ok(TypedValue::new(node, ElementType::WrappingAngle))
     }
-}
-
-/// A decimal without the tail of binary roundings.
-pub(crate) fn tidy(value: f64) -> String {
-    exact(if value.abs() < 1e6 { (value * 1e9).round() / 1e9 } else { value })
 }

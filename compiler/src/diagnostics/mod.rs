@@ -17,6 +17,7 @@ mod render;
 mod reported;
 mod source;
 mod synonyms;
+mod visible;
 
 pub use codes::Code;
 pub use fix::fixed;

@@ -1,5 +1,6 @@
 //! Diagnostics as text: the code, the source line, carets under the exact place, what was expected and found, what to do.
 
+use super::visible::{visible, visible_place};
 use super::{Diagnostic, FileId, Label, Report, Severity, SourceMap, Span};
 use annotate_snippets::{Annotation, AnnotationKind, Level, Renderer, Snippet};
 use std::fmt::Write;
@@ -62,10 +63,10 @@ impl Diagnostic {
             }
         }
         let group = level
-            .primary_title(&self.message)
+            .primary_title(visible(&self.message))
             .id(self.code.named())
             .elements(files.into_iter().map(|file| self.snippet(sources, file)))
-            .elements(self.notes().map(|(name, text)| Level::NOTE.with_name(name).message(printable(&text))));
+            .elements(self.notes().map(|(name, text)| Level::NOTE.with_name(name).message(visible(&text).into_owned())));
         renderer.term_width(WIDTH).render(&[group]) + "\n"
     }
 
@@ -76,16 +77,17 @@ impl Diagnostic {
         let (first, last) = (labels().map(line_of).min().unwrap_or(1), labels().map(line_of).max().unwrap_or(1));
         let line = |number: usize| sources.line(file, number).unwrap_or_default();
         let window = Span::new(line(first).start as usize, line(last).end as usize);
+        let source = window.of(sources.text(file));
+        let shown = |byte: u32| visible_place(source, (byte - window.start) as usize);
         let annotations = labels().map(|label| {
             let is_main = self.labels.first().is_some_and(|main| std::ptr::eq(main, label));
             let kind = if is_main { AnnotationKind::Primary } else { AnnotationKind::Context };
             // A place over several lines is marked on its first.
             let start = label.span.start.clamp(window.start, window.end);
             let end = label.span.end.min(line(line_of(label)).end).max(start);
-            let place = (start - window.start) as usize..(end - window.start) as usize;
-            kind.span(place).label((!label.text.is_empty()).then(|| printable(&label.text)))
+            kind.span(shown(start)..shown(end)).label((!label.text.is_empty()).then(|| visible(&label.text)))
         });
-        Snippet::source(window.of(sources.text(file))).path(sources.path(file)).line_start(first).annotations(annotations)
+        Snippet::source(visible(source)).path(visible(sources.path(file))).line_start(first).annotations(annotations)
     }
 
     /// What stands below the source, each with its name.
@@ -97,12 +99,4 @@ impl Diagnostic {
         let notes = facts.chain(help).map(|(name, text)| (name, text.clone()));
         notes.chain(self.denied_by.iter().map(|option| ("note", format!("a warning, denied by `{option}`"))))
     }
-}
-
-/// Text that cannot move the cursor or recolour the terminal, whatever the file holds.
-fn printable(text: &str) -> String {
-    let hostile = |character: char| {
-        (character.is_control() && character != '\n') || matches!(character, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-    };
-    text.chars().map(|character| if hostile(character) { '\u{fffd}' } else { character }).collect()
 }

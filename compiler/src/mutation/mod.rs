@@ -10,6 +10,7 @@ mod swaps;
 
 use crate::diagnostics::{FileId, Span};
 use crate::extremes::maximum;
+use crate::numbers::tidy;
 use crate::syntax::scanner::{self, Token, TokenKind};
 use crate::syntax::tree::Item;
 use crate::syntax::{self};
@@ -181,16 +182,11 @@ fn sizes(text: &str, token: &Token, class: Class, push: Push<'_>) {
     let mut known: Vec<String> = Vec::new();
     for changed in [half, slight, 2.0 * value] {
         let replacement = tidy(changed);
-        if changed != value && !known.contains(&replacement) {
+        if changed != value && changed.is_finite() && !known.contains(&replacement) {
             known.push(replacement.clone());
             push(class, token.span(), replacement);
         }
     }
-}
-
-/// A decimal without the tail of binary roundings.
-fn tidy(value: f64) -> String {
-    format!("{}", (value * 1e9).round() / 1e9)
 }
 
 /// Mutants of a token in a formula.

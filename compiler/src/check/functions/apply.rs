@@ -97,6 +97,11 @@ fn in_order<'a>(
         return Ok(());
     }
     let span = exprs[bottom].span.to(exprs[top].span);
+    if low.is_nan() || high.is_nan() {
+        let message = format!("a bound of `{}` is NaN in every state", call.name);
+        let diagnostic = checker.diagnostic(codes::tasks::NOT_FINITE, span, message);
+        return Err(checker.report(diagnostic.help("look for a division by zero")));
+    }
     let unit = spoken_unit(&data[top].kind, [exprs[top]]);
     let (range, _) = unit.tell_beside([high, low], low);
     let message = format!("the bounds of `{}` are swapped: the lower bound comes first", call.name);

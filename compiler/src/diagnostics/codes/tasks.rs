@@ -60,9 +60,10 @@ codes! {
         fix: "reward { 1 a = sum([i for i in 0..100]) * torso.up.z }",
     }
     NOT_FINITE = "E0411" {
-        title: "a term or channel that is never finite",
-        explanation: "Terms and channels of the observation must be finite, or the episode ends in a fault. This one is infinite \
-            or NaN in every state: a division by zero, or a number beyond 1.8e308.",
+        title: "a value that is never finite",
+        explanation: "Terms and channels of the observation must be finite, or the episode ends in a fault; a comparison with \
+            what is infinite or NaN is decided by that alone. This value is infinite or NaN in every state: a division by zero, or \
+            a number beyond 1.8e308.",
         example: "reward { 1 a = 1 / 0 }",
         fix: "reward { 1 a = torso.up.z }",
     }
