@@ -123,31 +123,31 @@ fn run(entry: &Path, loader: &dyn Loader, bodies: &dyn BodySource, settings: &[S
     let motions = motions::read(&files, loader, &mut sources, &mut diagnostics);
     let networks = networks::read(&files, loader, &mut diagnostics);
     let settings = settings::read(settings, &mut sources, &mut diagnostics);
-    let described = describe_bodies(&files, bodies, &mut diagnostics);
+    let ids: Vec<FileId> = files.iter().map(|file| file.tree.file).collect();
+    let uses = |file: &SourceFile| file.uses.iter().map(|&used| ids[used]).collect();
+    let globals = Globals::collect(files.iter().map(|file| FileInSight { tree: &file.tree, uses: uses(file) }));
+    let names = Names::global(&globals);
+    let described = describe_bodies(&files, &names, bodies, &mut diagnostics);
     let all_tasks = task_names(&files, &mut diagnostics);
     let texts = SourceTexts(&sources);
     let mut units = units::collect(&files, &texts, &mut diagnostics);
     settings::apply(&settings, &mut units, &mut diagnostics);
     let (mut tasks, mut scopes) = (Vec::new(), Vec::new());
-    let (called, unread) = (RefCell::default(), RefCell::default());
-    let ids: Vec<FileId> = files.iter().map(|file| file.tree.file).collect();
-    let uses = |file: &SourceFile| file.uses.iter().map(|&used| ids[used]).collect();
-    let globals = Globals::collect(files.iter().map(|file| FileInSight { tree: &file.tree, uses: uses(file) }));
+    let unread = RefCell::default();
     diagnostics.extend(globals.clashes(syntax::MAXIMUM_ERRORS));
     for unit in &units {
         let (described, texts, motions, networks) = (&described, &texts, &motions, &networks);
-        let (globals, called, unread) = (&globals, &called, &unread);
+        let (globals, called, unread) = (&globals, &names.called, &unread);
         let compiler = units::Compiler { described, bodies, texts, motions, networks, globals, noting, called, unread };
         // One that fails has been reported.
         tasks.extend(compiler.compile(unit, &mut scopes, &mut diagnostics).map(Arc::new));
     }
+    let suites = suites(&files, &names, &all_tasks, &mut diagnostics);
     let known: Vec<&Vocabulary> = described.values().filter_map(|body| body.vocabulary.as_ref().ok()).collect();
-    let names = Names::global(&globals);
     let cycles = Cycles::of(files.iter().map(|file| &file.tree), &names);
     for file in &files {
-        check::uncalled::check(&file.tree, &names, &cycles, &called.borrow(), &known, &mut diagnostics);
+        check::uncalled::check(&file.tree, &names, &cycles, &names.called.borrow(), &known, &mut diagnostics);
     }
-    let suites = suites(&files, &all_tasks, &mut diagnostics);
     consequences::forget(&sources, &mut diagnostics);
     unread.into_inner().drop_read(&mut diagnostics);
     if Reported::among(&diagnostics).is_none() {
@@ -174,8 +174,9 @@ struct Described {
     vocabulary: Checked<Vocabulary>,
 }
 
-fn describe_bodies(
-    files: &[SourceFile],
+fn describe_bodies<'a>(
+    files: &'a [SourceFile],
+    names: &'a Names<'a>,
     bodies: &dyn BodySource,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> BTreeMap<String, Described> {
@@ -188,7 +189,7 @@ fn describe_bodies(
         for item in &file.tree.items {
             let Item::Body(body) = item else { continue };
             let mut own = Vec::new();
-            let mut description = check::body::describe(body, file.tree.file, &mut own);
+            let mut description = check::body::describe(body, file.tree.file, names, &mut own);
             let base = file.path.parent().map(Path::to_path_buf).unwrap_or_default();
             description.model = plain(&base.join(&description.model)).display().to_string();
             // A body whose text is broken is not bound: the model would only be blamed for it.
@@ -265,12 +266,12 @@ impl Texts for SourceTexts<'_> {
 }
 
 /// The suites of the entry file; those of other files are checked, too.
-fn suites(files: &[SourceFile], tasks: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Vec<Suite> {
+fn suites<'a>(files: &'a [SourceFile], names: &'a Names<'a>, tasks: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Vec<Suite> {
     let mut suites = Vec::new();
     for (index, file) in files.iter().enumerate() {
         for item in &file.tree.items {
             let Item::Suite(suite) = item else { continue };
-            let checked = check::suite::check(suite, file.tree.file, tasks, diagnostics);
+            let checked = check::suite::check(suite, file.tree.file, names, tasks, diagnostics);
             if index == 0 {
                 suites.push(checked);
             }

@@ -2,27 +2,33 @@
 //!
 //! Names of the model are not known here; the runtime checks them when it binds the description to the model.
 
-use super::constant::{self, NotConstant};
+use super::context::{Checked, Checker, Settled};
 use super::dimension::Dimension;
 use crate::body::{Axis, BodyDescription, ExcitationMap, LandmarkDescription, TendonKind};
 use crate::diagnostics::{Code, Diagnostic, FileId, Span, codes};
+use crate::resolve::scope::{Names, Place};
 use crate::syntax::tree::{
     Body, BodyGroup, BodyStatement, Element, ElementName, Expr, ExprKind, Field, FieldValue, Ident, Name, NamePart, Text,
     UnaryOperator,
 };
+use crate::vocabulary::Vocabulary;
 use std::collections::BTreeMap;
 
 /// Longest list that a brace pattern may unfold to.
 const LONGEST_PATTERN: usize = 4096;
 
-/// Describes a body; without errors in `diagnostics` the description is whole.
-pub(crate) fn describe(body: &Body, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> BodyDescription {
-    let mut reader = Reader {
-        file,
-        diagnostics,
-        body: BodyDescription { name: body.name.text.clone(), ..BodyDescription::default() },
-        seen: BTreeMap::new(),
-    };
+/// Describes a body, whose numbers may be constants in sight; without errors in `diagnostics` the description is whole.
+pub(crate) fn describe<'a>(
+    body: &'a Body,
+    file: FileId,
+    names: &'a Names<'a>,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> BodyDescription {
+    let nothing = Vocabulary::default();
+    let mut checker = Checker::new(&nothing, names, Place { file, in_task: false }, &[]);
+    checker.settled = Settled::default();
+    let description = BodyDescription { name: body.name.text.clone(), ..BodyDescription::default() };
+    let mut reader = Reader { file, checker, body: description, seen: BTreeMap::new() };
     for statement in &body.statements {
         reader.statement(statement);
     }
@@ -35,26 +41,24 @@ pub(crate) fn describe(body: &Body, file: FileId, diagnostics: &mut Vec<Diagnost
         let diagnostic = Diagnostic::new(codes::tasks::MISSING, file, body.name.span, message)
             .help(format!("write {}", examples.join(", ")))
             .help("`msk new body NAME --model FILE` writes a body file for a model");
-        reader.diagnostics.push(diagnostic);
+        reader.checker.report(diagnostic);
     }
+    diagnostics.append(&mut reader.checker.diagnostics);
     reader.body
 }
 
 struct Reader<'a> {
     file: FileId,
-    diagnostics: &'a mut Vec<Diagnostic>,
+    /// Evaluates numbers; it knows no body.
+    checker: Checker<'a>,
     body: BodyDescription,
     /// Names and settings already there.
     seen: BTreeMap<String, Span>,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     fn error(&mut self, code: &'static Code, span: Span, message: impl Into<String>) {
-        self.diagnostics.push(Diagnostic::new(code, self.file, span, message));
-    }
-
-    fn not_constant(&mut self, wrong: NotConstant) {
-        self.error(wrong.code, wrong.span, wrong.message);
+        self.checker.error(code, span, message);
     }
 
     /// Reports a name or setting that is there already.
@@ -62,11 +66,11 @@ impl Reader<'_> {
         if let Some(first) = self.seen.insert(name.to_owned(), span) {
             let diagnostic =
                 Diagnostic::new(codes::names::DECLARED_TWICE, self.file, span, format!("`{name}` is declared twice"));
-            self.diagnostics.push(diagnostic.here("again here").label(self.file, first, "first here"));
+            self.checker.report(diagnostic.here("again here").label(self.file, first, "first here"));
         }
     }
 
-    fn statement(&mut self, statement: &BodyStatement) {
+    fn statement(&mut self, statement: &'a BodyStatement) {
         match statement {
             BodyStatement::Model(path) => {
                 self.once("model", path.span);
@@ -86,7 +90,7 @@ impl Reader<'_> {
                 self.once(&format!("pose {}", pose.name.text), pose.name.span);
                 let mut joints = Vec::new();
                 for assignment in &pose.joints {
-                    let value = self.coordinate(&assignment.value);
+                    let value = self.coordinate(&assignment.value).ok();
                     for name in self.names(&assignment.target) {
                         joints.extend(value.map(|value| (name, value)));
                     }
@@ -155,7 +159,7 @@ impl Reader<'_> {
         self.error(codes::tasks::UNKNOWN_SETTING, field.name.span, message);
     }
 
-    fn landmark(&mut self, element: &Element) {
+    fn landmark(&mut self, element: &'a Element) {
         let Some(ElementName::Name(name)) = &element.name else {
             return self.error(codes::tasks::MISSING, element.kind.span, "a landmark needs a name");
         };
@@ -190,16 +194,16 @@ impl Reader<'_> {
         }
     }
 
-    fn landmark_field(&mut self, field: &Field, count: usize, parts: &mut LandmarkParts) {
+    fn landmark_field(&mut self, field: &'a Field, count: usize, parts: &mut LandmarkParts) {
         match (field.name.text.as_str(), &field.value) {
             ("on", FieldValue::Value(value) | FieldValue::On(value)) => {
                 parts.bodies = self.names(value);
                 self.must_pair(parts.bodies.len(), count, value.span);
             }
-            ("at", FieldValue::Value(value)) => match point(value) {
-                Ok(point) => parts.point = Some(point),
-                Err(wrong) => self.not_constant(wrong),
-            },
+            ("at", FieldValue::Value(value)) => {
+                // What is wrong is reported; that nothing is declared would be wrong to say.
+                parts.point = Some(self.point(value).unwrap_or_default());
+            }
             ("forward", _) => parts.forward = self.axis(field),
             ("up", _) => parts.up = self.axis(field),
             ("segment", FieldValue::Value(Expr { kind: ExprKind::List(shapes), .. })) => {
@@ -281,21 +285,29 @@ impl Reader<'_> {
         }
     }
 
-    fn coordinate(&mut self, value: &Expr) -> Option<f64> {
-        match constant::quantity(value) {
-            Ok(found) if [Dimension::ANGLE, Dimension::LENGTH].contains(&found.dimension) || found.value == 0.0 => {
-                Some(found.value)
+    /// A coordinate of a joint: an angle or a length, of which the model decides.
+    fn coordinate(&mut self, value: &'a Expr) -> Checked<f64> {
+        let data = self.checker.data(value)?;
+        let found = data.kind.dimension().filter(|_| data.kind.is_one_number());
+        let dimension = match found {
+            Some(dimension @ (Dimension::ANGLE | Dimension::LENGTH)) => dimension,
+            _ if data.is_zero() => Dimension::ANGLE,
+            _ => {
+                let found = data.kind.described(self.checker.vocabulary);
+                let message = format!("a coordinate is an angle or a length, found {found}");
+                return Err(self.checker.error(codes::types::DIMENSIONS_DIFFER, value.span, message));
             }
-            Ok(found) => {
-                let message = format!("a coordinate is an angle or a length, found {}", found.dimension.described());
-                self.error(codes::types::DIMENSIONS_DIFFER, value.span, message);
-                None
-            }
-            Err(wrong) => {
-                self.not_constant(wrong);
-                None
-            }
-        }
+        };
+        self.checker.known_number(&data, value, dimension, "a coordinate")
+    }
+
+    /// A point in the frame of a model's body; plain numbers are metres, as in the model file.
+    fn point(&mut self, value: &'a Expr) -> Checked<[f64; 3]> {
+        let data = self.checker.data(value)?;
+        let plain = data.kind.dimension() == Some(Dimension::NONE);
+        let dimension = if plain { Dimension::NONE } else { Dimension::LENGTH };
+        self.checker.must_be_bracket(&data, 3, dimension, value.span, "`at`")?;
+        self.checker.known_bracket(&data, value.span, "`at`")
     }
 
     /// The names that an expression lists: a name, a quoted name, a selector, or a bracket of them.
@@ -364,9 +376,4 @@ fn axis_of(word: &str, negative: bool) -> Option<Axis> {
         ("z", true) => Axis::MinusZ,
         _ => return None,
     })
-}
-
-/// A point in the frame of a model's body; plain numbers are metres, as in the model file.
-fn point(expr: &Expr) -> Result<[f64; 3], NotConstant> {
-    constant::bracket(expr, Dimension::NONE).or_else(|_| constant::bracket(expr, Dimension::LENGTH))
 }

@@ -71,6 +71,17 @@ impl Timing {
     }
 }
 
+/// What is known where the checker stands, of what formulas may read as constants.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Settled {
+    /// Which body it is; not while its own file is read.
+    pub body: bool,
+    /// How long a control step is.
+    pub interval: bool,
+    /// How many of them an episode has.
+    pub horizon: bool,
+}
+
 /// A reason for which an episode ends.
 #[derive(Debug, Clone)]
 pub(crate) struct End {
@@ -117,6 +128,8 @@ pub(crate) struct Checker<'a> {
     pub graph: Graph,
     pub diagnostics: Vec<Diagnostic>,
     pub timing: Timing,
+    /// What is known by now.
+    pub settled: Settled,
     /// What `action` is, once `act` has been checked.
     pub action: ActionSpace,
     /// Where the task itself stands.
@@ -192,6 +205,7 @@ impl<'a> Checker<'a> {
             graph: Graph::default(),
             diagnostics: Vec::new(),
             timing: Timing { interval: 0.01, horizon: 1, before: 0 },
+            settled: Settled { body: true, ..Settled::default() },
             action: ActionSpace::default(),
             task_place: place,
             statements,

@@ -393,6 +393,9 @@ impl<'a> Checker<'a> {
                 .help("use the names of components: `.x`, `.y`, `.z` in the world frame, `.forward`, `.left`, `.up` in the frame of a landmark");
             return Err(self.report(diagnostic));
         };
+        if length == 0 {
+            return Err(self.error(codes::names::NOTHING_FITS, span, "this set is empty on this body"));
+        }
         let known = self.graph.constant_value(place.node).filter(|_| place.kind == Type::One(ElementType::Int));
         let Some(known) = known else { return self.index_at_run_time(base, &place, length, index) };
         if known < 0.0 || known >= length as f64 {

@@ -415,6 +415,7 @@ impl<'a> Checker<'a> {
     /// A signal that stands by itself.
     pub(crate) fn single_signal(&mut self, signal: &Signal, span: Span) -> Checked<TypedValue> {
         self.must_be_supported(signal, span)?;
+        self.must_be_settled(signal, span)?;
         let muscles: Vec<EntityRef> = (0..self.vocabulary.muscles.len()).map(EntityRef::Muscle).collect();
         let interval = self.timing.interval;
         Ok(match signal.read {
@@ -446,8 +447,28 @@ impl<'a> Checker<'a> {
             }
             Read::Spine => self.spine(span)?,
             Read::Terminated | Read::Finished | Read::Truncated | Read::Ended | Read::Survived => self.end_signal(signal.read)?,
+            _ if muscles.is_empty() => {
+                let message = format!("`{}` is that of the muscles, and this body has none", signal.name);
+                return Err(self.error(codes::names::NOTHING_FITS, span, message));
+            }
             read => self.muscle_property(&muscles, true, read)?,
         })
+    }
+
+    /// A constant of the task or of the body is no constant before that is known.
+    fn must_be_settled(&mut self, signal: &Signal, span: Span) -> Checked<()> {
+        let (known, decided_by) = match signal.read {
+            Read::Interval => (self.settled.interval, "the task's `control`"),
+            Read::Horizon => (self.settled.horizon, "the task's `horizon`"),
+            Read::Terminated | Read::Finished | Read::Truncated | Read::Ended | Read::Survived => (self.settled.body, "a task"),
+            _ if signal.owner == Owner::WholeBody => (self.settled.body, "the model of the body"),
+            _ => return Ok(()),
+        };
+        if known {
+            return Ok(());
+        }
+        let message = format!("`{}` is not known here yet: it follows from {decided_by}", signal.name);
+        Err(self.error(codes::types::NOT_CONSTANT, span, message))
     }
 
     /// The unit vector from the pelvis to the head.

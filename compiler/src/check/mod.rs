@@ -15,7 +15,6 @@ pub(crate) mod allows;
 mod arithmetic;
 pub(crate) mod body;
 mod call;
-mod constant;
 pub(crate) mod context;
 pub(crate) mod edits;
 mod ends;

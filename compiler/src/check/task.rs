@@ -152,12 +152,15 @@ impl<'a> Checker<'a> {
         self.lists_once(task);
         let parts = self.parts();
         self.must_not_hide_signals();
-        let parameters = self.parameters();
+        // Both may read parameters, and parameters what follows from them.
         let frequency = parts.control.map(|(control, file)| self.in_file(file, |checker| checker.control(control))).transpose();
+        self.settled.interval = true;
         let horizon = match (&frequency, parts.horizon) {
             (Ok(_), Some((horizon, file))) => self.in_file(file, |checker| checker.horizon(horizon)).map(Some),
             _ => Ok(None),
         };
+        self.settled.horizon = true;
+        let parameters = self.parameters();
         let action = parts.act.map(|(act, file)| self.in_file(file, |checker| checker.action_space(act))).transpose();
         self.states();
         self.references();

@@ -74,11 +74,17 @@ fn vocabulary() -> &'static Vocabulary {
 
 /// Formulas checked one after the other into one graph; of wrong ones the codes.
 fn checked(texts: &[String]) -> (Graph, Vec<Result<TypedValue, String>>) {
+    checked_on(vocabulary(), texts)
+}
+
+/// The same on another body.
+fn checked_on(vocabulary: &Vocabulary, texts: &[String]) -> (Graph, Vec<Result<TypedValue, String>>) {
     let formulas: Vec<Expr> = texts.iter().map(|text| formula(text)).collect();
     let globals = Globals::default();
     let names = Names::global(&globals);
-    let mut checker = Checker::new(vocabulary(), &names, Place { file: FileId::default(), in_task: false }, &[]);
+    let mut checker = Checker::new(vocabulary, &names, Place { file: FileId::default(), in_task: false }, &[]);
     checker.timing.horizon = 50;
+    (checker.settled.interval, checker.settled.horizon) = (true, true);
     let mut values = Vec::new();
     for formula in &formulas {
         let value = checker.value(formula);
@@ -327,6 +333,16 @@ fn functions_of_lists_give_one_value_of_what_their_elements_are() {
             assert!((found - expected).abs() < 1e-12, "{written}: {found} is not {expected}");
         }
     }
+}
+
+#[test]
+fn a_set_that_is_empty_on_a_body_is_an_error() {
+    let bare = Vocabulary { muscles: Vec::new(), ..vocabulary().clone() };
+    let formulas =
+        ["first(activation)", "sum(activation^2)", "muscles[0].force", "muscles[step].force", "muscles.force", "mean(action)"];
+    let (_, values) = checked_on(&bare, &formulas.map(str::to_owned));
+    let codes: Vec<&str> = values.iter().map(|value| value.as_ref().map_or_else(String::as_str, |_| "a value")).collect();
+    assert_eq!(codes, ["E0205"; 6]);
 }
 
 #[test]

@@ -8,6 +8,7 @@ use crate::check::offered::{is_bare, offer_unit, unit_of};
 use crate::check::types::{ElementType, Frame, Type};
 use crate::check::value::{TypedValue, Value};
 use crate::diagnostics::{Span, codes, nearest};
+use crate::numbers::for_people;
 use crate::syntax::tree::{Element, Expr, ExprKind, Field, FieldValue};
 
 /// The fields of one element, each known to its kind and given once.
@@ -110,8 +111,28 @@ impl<'a> Checker<'a> {
         self.known_number(&data, expr, dimension, wanted_by)
     }
 
+    /// A whole number that is not negative and known while compiling.
+    pub(crate) fn fixed_count(&mut self, expr: &'a Expr, wanted_by: &str) -> Checked<u64> {
+        let value = self.fixed_number(expr, Dimension::NONE, wanted_by)?;
+        // Beyond 2^53 not every whole number is one that a float can be.
+        if value >= 0.0 && value.fract() == 0.0 && value <= 9e15 {
+            return Ok(value as u64);
+        }
+        let diagnostic = self
+            .diagnostic(codes::types::NOT_CONSTANT, expr.span, format!("{wanted_by} takes a whole number"))
+            .expected("a whole number from 0")
+            .found(for_people(value));
+        Err(self.report(diagnostic))
+    }
+
     /// The number that `data`, the value of `expr`, is known to be.
-    pub(super) fn known_number(&mut self, data: &TypedValue, expr: &Expr, dimension: Dimension, wanted_by: &str) -> Checked<f64> {
+    pub(in crate::check) fn known_number(
+        &mut self,
+        data: &TypedValue,
+        expr: &Expr,
+        dimension: Dimension,
+        wanted_by: &str,
+    ) -> Checked<f64> {
         let found = data.kind.dimension().filter(|_| data.kind.is_one_number());
         if found != Some(dimension) && !(data.is_zero() && data.kind.is_one_number()) {
             let diagnostic = self
@@ -205,7 +226,7 @@ impl<'a> Checker<'a> {
     }
 
     /// The components that a bracket of as many numbers is known to have.
-    pub(super) fn known_bracket<const SIZE: usize>(
+    pub(in crate::check) fn known_bracket<const SIZE: usize>(
         &mut self,
         data: &TypedValue,
         span: Span,
