@@ -9,6 +9,7 @@ pub mod check;
 pub mod compile;
 pub mod diagnostics;
 pub mod difference;
+mod emit;
 pub mod explain;
 pub mod format;
 pub mod hir;

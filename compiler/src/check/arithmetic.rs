@@ -8,6 +8,7 @@ use super::types::{ElementType, Shape, Type};
 use super::unit;
 use super::value::{TypedValue, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::emit::layout::wrapped;
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Unary};
 use crate::numbers::{exact, for_people};
@@ -129,7 +130,7 @@ impl<'a> Checker<'a> {
         }
         let node = self.graph.binary(function, a, b);
         // The difference of two headings goes the short way round.
-        let node = if subtract { self.wrapped(node, &kind) } else { node };
+        let node = if subtract { wrapped(&mut self.graph, node, &kind) } else { node };
         Ok(TypedValue::new(node, kind))
     }
 

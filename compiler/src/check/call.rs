@@ -9,9 +9,9 @@ use super::types::{ElementType, Frame, Type};
 use super::value::{EntityRef, TypedValue, Value};
 use crate::diagnostics::{Diagnostic, Edit, FileId, Fix, Span, codes};
 use crate::diagnostics::{function_elsewhere, is_module, nearest};
+use crate::emit::frames;
 use crate::frame::Sensor;
 use crate::graph::NodeId;
-use crate::graph::operation::{Binary, Reduction};
 use crate::hir::{DefinitionId, Resolution};
 use crate::resolve::scope::Definition;
 use crate::syntax::tree::{self, Argument, Expr, ExprKind, Function, Ident, Parameter};
@@ -282,8 +282,7 @@ impl<'a> Checker<'a> {
         let is_place = matches!(data.kind.element(), Some(ElementType::Place(_)));
         if let (true, Frame::Landmark(index) | Frame::Heading(index)) = (is_place, target) {
             let origin = self.measured(vec![Sensor::LandmarkPosition(index)]);
-            let repeated = self.graph.select((0..count).flat_map(|_| 0..3), origin);
-            node = self.graph.binary(Binary::Subtract, node, repeated);
+            node = frames::from_origin(&mut self.graph, node, count, origin);
         }
         let node = self.express(node, count, target);
         let element = match data.kind.element() {
@@ -312,27 +311,12 @@ impl<'a> Checker<'a> {
 
     /// World components of `count` vectors as components along the axes of a frame.
     fn express(&mut self, vectors: NodeId, count: usize, frame: Frame) -> NodeId {
-        let axes = match frame {
-            Frame::World => return vectors,
-            Frame::Landmark(index) => self.measured(vec![Sensor::LandmarkAxes(index)]),
-            Frame::Heading(index) => self.heading_axes(index),
-        };
-        // Component i of vector k is dot(vector k, axis i): three products each, nine per vector.
-        let repeated = self.graph.select((0..count).flat_map(|place| (0..9).map(move |lane| 3 * place + lane % 3)), vectors);
-        let tiled = self.graph.select((0..count).flat_map(|_| 0..9), axes);
-        let products = self.graph.binary(Binary::Multiply, repeated, tiled);
-        self.graph.reduce(Reduction::Sum, 3, products)
-    }
-
-    /// Axes of a landmark's yaw: forward and left level, up the world's.
-    fn heading_axes(&mut self, index: usize) -> NodeId {
-        let axes = self.measured(vec![Sensor::LandmarkAxes(index)]);
-        let level = self.graph.select([0, 1], axes);
-        let ahead = self.unit_vector(level, 2);
-        let (x, y) = (self.graph.select([0], ahead), self.graph.select([1], ahead));
-        let minus_y = self.graph.unary(crate::graph::operation::Unary::Negate, y);
-        let (zero, one) = (self.graph.constant(0.0), self.graph.constant(1.0));
-        self.graph.join(&[x, y, zero, minus_y, x, zero, zero, zero, one])
+        let (Frame::Landmark(index) | Frame::Heading(index)) = frame else { return vectors };
+        let mut axes = self.measured(vec![Sensor::LandmarkAxes(index)]);
+        if matches!(frame, Frame::Heading(_)) {
+            axes = frames::heading(&mut self.graph, axes);
+        }
+        frames::along_axes(&mut self.graph, vectors, count, axes)
     }
 
     /// Where parts of the body are.

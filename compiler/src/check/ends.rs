@@ -6,8 +6,9 @@ use super::signals::Read;
 use super::types::{ElementType, Type};
 use super::value::{TypedValue, Value};
 use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::emit::time;
 use crate::graph::NodeId;
-use crate::graph::operation::{Binary, Operation, Reduction, Unary};
+use crate::graph::operation::{Binary, Operation};
 use crate::numbers::{distinguished, exact, for_people, tidy};
 use crate::resolve::inherit::Placed;
 use crate::resolve::scope::Place;
@@ -138,11 +139,10 @@ impl<'a> Checker<'a> {
 
     fn reason(&mut self, reason: &'a Reason, grace: Option<f64>) -> Checked<NodeId> {
         let condition = self.single_condition(&reason.condition)?;
-        let Some(grace) = grace else { return Ok(condition.node) };
-        let step = self.graph.add(Operation::Step, &[]);
-        let grace = self.graph.constant(grace);
-        let past = self.graph.binary(Binary::Less, grace, step);
-        Ok(self.graph.binary(Binary::And, past, condition.node))
+        Ok(match grace {
+            Some(grace) => time::after(&mut self.graph, grace, condition.node),
+            None => condition.node,
+        })
     }
 
     /// The entry itself; `remove` needs `extends`, which is reported.
@@ -160,12 +160,8 @@ impl<'a> Checker<'a> {
 
     /// Whether one of the reasons holds.
     pub(crate) fn any_end(&mut self, reasons: &[End]) -> NodeId {
-        if reasons.is_empty() {
-            return self.graph.constant(0.0);
-        }
-        let nodes: Vec<NodeId> = reasons.iter().map(|reason| reason.node).collect();
-        let joined = self.graph.join(&nodes);
-        self.graph.reduce(Reduction::Maximum, nodes.len(), joined)
+        let conditions: Vec<NodeId> = reasons.iter().map(|reason| reason.node).collect();
+        time::any(&mut self.graph, &conditions)
     }
 
     /// `terminated`, `finished`, `truncated`, `ended`, `survived`.
@@ -179,9 +175,6 @@ impl<'a> Checker<'a> {
         if read == Read::Terminated {
             return Ok(TypedValue::new(terminated, ElementType::Bool));
         }
-        let step = self.graph.add(Operation::Step, &[]);
-        let horizon = self.graph.constant(f64::from(self.timing.horizon));
-        let complete = self.graph.binary(Binary::LessEqual, horizon, step);
         let mut others = terminated;
         if read != Read::Survived {
             let finishes = self.finishes()?;
@@ -190,11 +183,12 @@ impl<'a> Checker<'a> {
                 others = self.graph.binary(Binary::Or, terminated, finished);
             }
         }
+        let (graph, horizon) = (&mut self.graph, self.timing.horizon);
         let node = if read == Read::Ended {
-            self.graph.binary(Binary::Or, others, complete)
+            let complete = time::complete(graph, horizon);
+            graph.binary(Binary::Or, others, complete)
         } else {
-            let none = self.graph.unary(Unary::Not, others);
-            self.graph.binary(Binary::And, complete, none)
+            time::complete_without(graph, horizon, others)
         };
         Ok(TypedValue::new(node, ElementType::Bool))
     }
@@ -303,22 +297,11 @@ impl<'a> Checker<'a> {
         Ok(Value::Typed(TypedValue::new(node, cell.kind)))
     }
 
-    /// Time since reset, or since the present phase of a sequence began.
-    pub(crate) fn time(&mut self) -> NodeId {
-        let step = self.graph.add(Operation::Step, &[]);
-        let interval = self.graph.constant(self.timing.interval);
-        self.graph.binary(Binary::Multiply, step, interval)
-    }
-
     /// `clock phase at 1.1 Hz`: 2 pi f t, an angle that wraps.
     pub(crate) fn clock(&mut self, clock: &'a Clock, place: Place) -> Checked<TypedValue> {
         let frequency = self
             .elsewhere(place, |checker| checker.number_of(&clock.frequency, Dimension::FREQUENCY, "the frequency of a clock"))?;
-        let time = self.time();
-        let turns = self.graph.binary(Binary::Multiply, frequency.node, time);
-        let turn = self.graph.constant(std::f64::consts::TAU);
-        let angle = self.graph.binary(Binary::Multiply, turn, turns);
-        let node = self.graph.unary(Unary::Wrap, angle);
+        let node = time::clock(&mut self.graph, frequency.node, self.timing.interval);
         Ok(TypedValue::new(node, ElementType::WrappingAngle))
     }
 }

@@ -6,6 +6,8 @@ use super::types::{ElementType, Frame, Type};
 use super::unit;
 use super::value::{EntityRef, LiteralKind, TypedValue, Value};
 use crate::diagnostics::{Span, codes};
+use crate::emit::layout::{element, spread_each};
+use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Operation, Unary};
 use crate::syntax::tree::{Expr, ExprKind, Quantity, UnaryOperator};
 
@@ -302,11 +304,7 @@ impl<'a> Checker<'a> {
             return Err(self.error(codes::types::DIMENSIONS_DIFFER, span, "all elements of a list must have the same kind"));
         };
         let lanes = kind.element_lanes();
-        // A written zero among vectors stands for all their components.
-        let mut nodes = Vec::with_capacity(data.len());
-        for (part, _) in &data {
-            nodes.push(self.spread_each(part, lanes));
-        }
+        let nodes: Vec<NodeId> = data.iter().map(|(part, _)| spread_each(&mut self.graph, part, lanes)).collect();
         let node = self.graph.join(&nodes);
         self.spend(self.graph.width(node), span)?;
         let all_zero = data.iter().all(|(part, _)| part.is_zero());
@@ -316,15 +314,6 @@ impl<'a> Checker<'a> {
             _ => LiteralKind::Plain,
         };
         Ok(TypedValue::new(node, kind).with_literal(literal))
-    }
-
-    /// Every element of one lane repeated for so many.
-    fn spread_each(&mut self, data: &TypedValue, lanes: usize) -> crate::graph::NodeId {
-        if data.kind.element_lanes() == lanes {
-            return data.node;
-        }
-        let count = data.kind.shape().count();
-        self.graph.select((0..count).flat_map(|place| std::iter::repeat_n(place, lanes)), data.node)
     }
 
     /// A bracket of two or three numbers as a vector of the wanted frame; anything else as it is.
@@ -406,8 +395,7 @@ impl<'a> Checker<'a> {
         Ok(match base {
             Value::Entities { members, .. } => Value::Entity(members[known]),
             Value::Typed(data) => {
-                let lanes = data.kind.element_lanes();
-                let node = self.graph.select(known * lanes..(known + 1) * lanes, data.node);
+                let node = element(&mut self.graph, &data, known);
                 Value::Typed(TypedValue::new(node, data.kind.element_at(known)))
             }
             thing @ Value::Entity(_) => thing,
@@ -453,7 +441,7 @@ impl<'a> Checker<'a> {
 
     fn comprehension(
         &mut self,
-        element: &'a Expr,
+        formula: &'a Expr,
         variable: &'a crate::syntax::tree::Ident,
         source: &'a Expr,
         span: Span,
@@ -462,10 +450,10 @@ impl<'a> Checker<'a> {
         let mut elements = Vec::with_capacity(values.len());
         for value in values {
             self.locals.push(self.local(variable, value));
-            let one = self.value(element);
+            let one = self.value(formula);
             self.locals.pop();
             let broken = one.is_err();
-            elements.push((one, element.span));
+            elements.push((one, formula.span));
             if broken {
                 break;
             }
@@ -491,11 +479,8 @@ impl<'a> Checker<'a> {
         match self.value(source)? {
             Value::Entities { members, .. } => Ok(members.into_iter().map(Value::Entity).collect()),
             Value::Typed(data) if data.kind.length().is_some() => {
-                let (length, lanes) = (data.kind.length().unwrap_or(0), data.kind.element_lanes());
-                let part = |place: usize, checker: &mut Self| checker.graph.select(place * lanes..(place + 1) * lanes, data.node);
-                Ok((0..length)
-                    .map(|place| Value::Typed(TypedValue::new(part(place, self), data.kind.element_at(place))))
-                    .collect())
+                let part = |place: usize| TypedValue::new(element(&mut self.graph, &data, place), data.kind.element_at(place));
+                Ok((0..data.kind.shape().count()).map(part).map(Value::Typed).collect())
             }
             _ => Err(self.error(codes::types::WRONG_TYPE, source.span, "a loop iterates over a range or a list")),
         }

@@ -7,7 +7,7 @@ use super::offered::{is_bare, offer_unit};
 use super::types::{ElementType, Shape, Type};
 use super::value::{LiteralKind, TypedValue};
 use crate::diagnostics::{Diagnostic, Span, codes};
-use crate::graph::operation::Unary;
+use crate::emit::layout::spread;
 use crate::graph::{Graph, NodeId};
 use crate::numbers::exact;
 use crate::syntax::tree::ExprKind;
@@ -75,49 +75,7 @@ impl<'a> Checker<'a> {
     pub(crate) fn laid_out(&mut self, values: &[&TypedValue], span: Span) -> Checked<(Vec<NodeId>, Shape)> {
         let shape = self.common_length(values, span)?;
         let lanes = values.iter().map(|value| value.kind.element_lanes()).max().unwrap_or(1);
-        Ok((values.iter().map(|value| self.spread(value, shape.count(), lanes)).collect(), shape))
-    }
-
-    /// The lanes of `data` laid out for `length` elements of `lanes` lanes, where one lane may stand for all.
-    pub(crate) fn spread(&mut self, data: &TypedValue, length: usize, lanes: usize) -> NodeId {
-        let own = data.kind.element_lanes();
-        let elements = data.kind.shape().count();
-        let width = self.graph.width(data.node);
-        if width == 1 || width == length * lanes {
-            return data.node;
-        }
-        let lane = |element: usize, lane: usize| {
-            let element = if elements == 1 { 0 } else { element };
-            element * own + if own == 1 { 0 } else { lane }
-        };
-        let wanted: Vec<usize> = (0..length).flat_map(|e| (0..lanes).map(move |l| lane(e, l))).collect();
-        self.graph.select(wanted, data.node)
-    }
-
-    /// What `compute` makes of the lanes of a node of this type, which is given whether they wrap; each way where only some do.
-    pub(crate) fn by_wrapping(
-        &mut self,
-        node: NodeId,
-        ty: &Type,
-        compute: impl Fn(&mut Graph, NodeId, bool) -> NodeId,
-    ) -> NodeId {
-        let wraps = |element: ElementType| element == ElementType::WrappingAngle;
-        if ty.all(wraps) {
-            return compute(&mut self.graph, node, true);
-        }
-        let straight = compute(&mut self.graph, node, false);
-        if ty.all(|element| !wraps(element)) {
-            return straight;
-        }
-        let round = compute(&mut self.graph, node, true);
-        let count = ty.shape().count();
-        let both = self.graph.join(&[straight, round]);
-        self.graph.select((0..count).map(|place| if wraps(ty.element_at(place)) { count + place } else { place }), both)
-    }
-
-    /// A node of this type, its angles that wrap brought into (-pi, pi].
-    pub(crate) fn wrapped(&mut self, node: NodeId, ty: &Type) -> NodeId {
-        self.by_wrapping(node, ty, |graph, node, wraps| if wraps { graph.unary(Unary::Wrap, node) } else { node })
+        Ok((values.iter().map(|value| spread(&mut self.graph, value, shape.count(), lanes)).collect(), shape))
     }
 
     /// Suggests how quantities of these dimensions could meet: a unit for a number without one, else what is probably meant.

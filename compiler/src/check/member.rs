@@ -8,9 +8,11 @@ use super::types::{ElementType, Frame, Type};
 use super::value::{EntityRef, TypedValue, Value};
 use crate::diagnostics::nearest;
 use crate::diagnostics::{Span, codes};
+use crate::emit::places::{self, components};
+use crate::emit::signals::Reading;
 use crate::frame::Sensor;
 use crate::graph::NodeId;
-use crate::graph::operation::{Binary, Operation, Reduction, Unary};
+use crate::graph::operation::{Operation, Reduction};
 use crate::hir::{Resolution, entity_name};
 use crate::syntax::tree::{Expr, ExprKind, Name};
 use crate::vocabulary::JointKind;
@@ -55,7 +57,7 @@ impl<'a> Checker<'a> {
         let declared = self.names.find(self.place, &word.text).is_some();
         match (word.text.as_str(), name.text.as_str()) {
             ("episode", "t") if !declared => {
-                let node = self.graph.sensors(vec![Sensor::Time]);
+                let node = Reading::Sensors(vec![Sensor::Time]).emit(&mut self.graph);
                 Some(TypedValue::new(node, ElementType::Number(Dimension::TIME)))
             }
             (phase, "success") => {
@@ -84,7 +86,7 @@ impl<'a> Checker<'a> {
         self.spend(things.len(), span)?;
         match owner {
             Owner::Joint => self.joint_property(things, list, signal.read, span),
-            Owner::Muscle => self.muscle_property(things, list, signal.read),
+            Owner::Muscle => Ok(self.muscle_property(things, list, signal.read)),
             _ => self.place_property(things, list, signal.read, span),
         }
     }
@@ -171,7 +173,7 @@ impl<'a> Checker<'a> {
             }
             Read::Height => {
                 let position = self.measured(position);
-                let heights = self.graph.select((0..things.len()).map(|place| 3 * place + 2), position);
+                let heights = components(&mut self.graph, position, things.len(), 3, &[2]);
                 shaped(heights, ElementType::Number(D::LENGTH))
             }
             Read::Clearance => {
@@ -201,31 +203,15 @@ impl<'a> Checker<'a> {
             _ => None,
         });
         let axes = self.measured(axes.collect());
-        let count = things.len();
-        let axis = |graph: &mut crate::graph::Graph, first: usize| {
-            graph.select((0..count).flat_map(|place| (0..3).map(move |lane| 9 * place + first + lane)), axes)
-        };
-        let lane = |graph: &mut crate::graph::Graph, lane: usize| graph.select((0..count).map(|place| 9 * place + lane), axes);
-        let graph = &mut self.graph;
+        let (graph, count) = (&mut self.graph, things.len());
+        let axis = ElementType::world_vector(Dimension::NONE);
         let (node, element) = match read {
-            Read::Forward => (axis(graph, 0), ElementType::world_vector(Dimension::NONE)),
-            Read::Left => (axis(graph, 3), ElementType::world_vector(Dimension::NONE)),
-            Read::Up => (axis(graph, 6), ElementType::world_vector(Dimension::NONE)),
-            // Turned by yaw, then pitch, then roll: forward is (cos y cos p, sin y cos p, -sin p).
-            Read::Yaw => {
-                let (y, x) = (lane(graph, 1), lane(graph, 0));
-                (graph.binary(Binary::ArcTangent2, y, x), ElementType::WrappingAngle)
-            }
-            Read::Pitch => {
-                let (x, y, z) = (lane(graph, 0), lane(graph, 1), lane(graph, 2));
-                let level = graph.binary(Binary::Hypotenuse, x, y);
-                let down = graph.unary(Unary::Negate, z);
-                (graph.binary(Binary::ArcTangent2, down, level), ElementType::WrappingAngle)
-            }
-            Read::Roll => {
-                let (left, up) = (lane(graph, 5), lane(graph, 8));
-                (graph.binary(Binary::ArcTangent2, left, up), ElementType::WrappingAngle)
-            }
+            Read::Forward => (components(graph, axes, count, 9, &[0, 1, 2]), axis),
+            Read::Left => (components(graph, axes, count, 9, &[3, 4, 5]), axis),
+            Read::Up => (components(graph, axes, count, 9, &[6, 7, 8]), axis),
+            Read::Yaw => (places::yaw(graph, axes, count), ElementType::WrappingAngle),
+            Read::Pitch => (places::pitch(graph, axes, count), ElementType::WrappingAngle),
+            Read::Roll => (places::roll(graph, axes, count), ElementType::WrappingAngle),
             _ => (axes, ElementType::Rotation),
         };
         TypedValue::new(node, Type::one_or_list(element, list, count))
@@ -261,29 +247,28 @@ impl<'a> Checker<'a> {
             let dimensions = indices.iter().map(|&index| dimension(joints[index].kind)).collect::<Vec<_>>();
             if list { Type::numbers(dimensions) } else { ElementType::Number(dimensions[0]).into() }
         };
-        let (node, kind) = match read {
-            Read::CoordinateVelocity => (self.graph.sensors(sensors(Sensor::JointVelocity)), kinds(&per(1))),
-            Read::CoordinateAcceleration => (self.graph.sensors(sensors(Sensor::JointAcceleration)), kinds(&per(2))),
+        let (reading, kind) = match read {
+            Read::CoordinateVelocity => (Reading::Sensors(sensors(Sensor::JointVelocity)), kinds(&per(1))),
+            Read::CoordinateAcceleration => (Reading::Sensors(sensors(Sensor::JointAcceleration)), kinds(&per(2))),
             Read::Torque => {
                 let dimension = |kind| if kind == JointKind::Hinge { Dimension::TORQUE } else { Dimension::FORCE };
-                (self.graph.sensors(sensors(Sensor::JointTorque)), kinds(&dimension))
+                (Reading::Sensors(sensors(Sensor::JointTorque)), kinds(&dimension))
             }
             Read::ReactionForce => {
                 let element = ElementType::world_vector(Dimension::FORCE);
-                (self.graph.sensors(sensors(Sensor::JointReactionForce)), Type::one_or_list(element, list, indices.len()))
+                (Reading::Sensors(sensors(Sensor::JointReactionForce)), Type::one_or_list(element, list, indices.len()))
             }
             Read::ReactionTorque => {
                 let element = ElementType::world_vector(Dimension::TORQUE);
-                (self.graph.sensors(sensors(Sensor::JointReactionTorque)), Type::one_or_list(element, list, indices.len()))
+                (Reading::Sensors(sensors(Sensor::JointReactionTorque)), Type::one_or_list(element, list, indices.len()))
             }
             Read::Power => {
-                let torque = self.graph.sensors(sensors(Sensor::JointTorque));
-                let velocity = self.graph.sensors(sensors(Sensor::JointVelocity));
-                (self.graph.binary(Binary::Multiply, torque, velocity), kinds(&|_| Dimension::POWER))
+                let power = Reading::Product(sensors(Sensor::JointTorque), sensors(Sensor::JointVelocity));
+                (power, kinds(&|_| Dimension::POWER))
             }
             Read::Neutral => {
-                let values: Vec<f64> = indices.iter().map(|&index| joints[index].neutral).collect();
-                (self.graph.constants(&values), kinds(&per(0)))
+                let values = indices.iter().map(|&index| joints[index].neutral);
+                (Reading::Constants(values.collect()), kinds(&per(0)))
             }
             Read::Lower | Read::Upper => {
                 let end = usize::from(read == Read::Upper);
@@ -295,44 +280,37 @@ impl<'a> Checker<'a> {
                     };
                     values.push(range[end]);
                 }
-                (self.graph.constants(&values), kinds(&per(0)))
+                (Reading::Constants(values), kinds(&per(0)))
             }
-            _ => (self.graph.sensors(sensors(Sensor::JointPosition)), kinds(&per(0))),
+            _ => (Reading::Sensors(sensors(Sensor::JointPosition)), kinds(&per(0))),
         };
-        Ok(TypedValue::new(node, kind))
+        Ok(TypedValue::new(reading.emit(&mut self.graph), kind))
     }
 
-    fn muscle_property(&mut self, things: &[EntityRef], list: bool, read: Read) -> Checked<TypedValue> {
+    fn muscle_property(&mut self, things: &[EntityRef], list: bool, read: Read) -> TypedValue {
         let indices: Vec<usize> =
             things.iter().filter_map(|thing| if let EntityRef::Muscle(index) = thing { Some(*index) } else { None }).collect();
         let sensors = |sensor: fn(usize) -> Sensor| indices.iter().map(|&index| sensor(index)).collect::<Vec<_>>();
-        let graph = &mut self.graph;
-        let (node, dimension) = match read {
-            Read::Length => (graph.sensors(sensors(Sensor::MuscleLength)), Dimension::LENGTH),
-            Read::Velocity => (graph.sensors(sensors(Sensor::MuscleVelocity)), Dimension::SPEED),
-            Read::Force => (graph.sensors(sensors(Sensor::MuscleForce)), Dimension::FORCE),
-            Read::Tension => {
-                let force = graph.sensors(sensors(Sensor::MuscleForce));
-                (graph.unary(Unary::Negate, force), Dimension::FORCE)
-            }
-            Read::MetabolicPower => (graph.sensors(sensors(Sensor::MuscleMetabolicPower)), Dimension::POWER),
-            Read::Strength => (graph.sensors(sensors(Sensor::MuscleStrength)), Dimension::NONE),
-            Read::FibreLength => (graph.sensors(sensors(Sensor::MuscleFibreLength)), Dimension::LENGTH),
-            Read::TendonLength => (graph.sensors(sensors(Sensor::MuscleTendonLength)), Dimension::LENGTH),
-            Read::Excitation => (graph.sensors(sensors(Sensor::MuscleExcitation)), Dimension::NONE),
-            Read::Action => (graph.sensors(sensors(Sensor::Action)), Dimension::NONE),
+        let (reading, dimension) = match read {
+            Read::Length => (Reading::Sensors(sensors(Sensor::MuscleLength)), Dimension::LENGTH),
+            Read::Velocity => (Reading::Sensors(sensors(Sensor::MuscleVelocity)), Dimension::SPEED),
+            Read::Force => (Reading::Sensors(sensors(Sensor::MuscleForce)), Dimension::FORCE),
+            Read::Tension => (Reading::Negated(sensors(Sensor::MuscleForce)), Dimension::FORCE),
+            Read::MetabolicPower => (Reading::Sensors(sensors(Sensor::MuscleMetabolicPower)), Dimension::POWER),
+            Read::Strength => (Reading::Sensors(sensors(Sensor::MuscleStrength)), Dimension::NONE),
+            Read::FibreLength => (Reading::Sensors(sensors(Sensor::MuscleFibreLength)), Dimension::LENGTH),
+            Read::TendonLength => (Reading::Sensors(sensors(Sensor::MuscleTendonLength)), Dimension::LENGTH),
+            Read::Excitation => (Reading::Sensors(sensors(Sensor::MuscleExcitation)), Dimension::NONE),
+            Read::Action => (Reading::Sensors(sensors(Sensor::Action)), Dimension::NONE),
             Read::PeakForce => {
-                let values: Vec<f64> = indices.iter().map(|&index| self.vocabulary.muscles[index].peak_force).collect();
-                (graph.constants(&values), Dimension::FORCE)
+                let values = indices.iter().map(|&index| self.vocabulary.muscles[index].peak_force);
+                (Reading::Constants(values.collect()), Dimension::FORCE)
             }
-            Read::Power => {
-                let force = graph.sensors(sensors(Sensor::MuscleForce));
-                let velocity = graph.sensors(sensors(Sensor::MuscleVelocity));
-                (graph.binary(Binary::Multiply, force, velocity), Dimension::POWER)
-            }
-            _ => (graph.sensors(sensors(Sensor::MuscleActivation)), Dimension::NONE),
+            Read::Power => (Reading::Product(sensors(Sensor::MuscleForce), sensors(Sensor::MuscleVelocity)), Dimension::POWER),
+            _ => (Reading::Sensors(sensors(Sensor::MuscleActivation)), Dimension::NONE),
         };
-        Ok(TypedValue::new(node, Type::one_or_list(ElementType::Number(dimension), list, indices.len())))
+        let kind = Type::one_or_list(ElementType::Number(dimension), list, indices.len());
+        TypedValue::new(reading.emit(&mut self.graph), kind)
     }
 
     /// `.x`, `.xy`, `.forward`: a component in the axes in which the vector is counted.
@@ -360,9 +338,7 @@ impl<'a> Checker<'a> {
         let Some(lanes) = lanes.filter(|lanes| lanes.iter().all(|lane| *lane < size)) else {
             return Err(self.no_such_component(frame, name));
         };
-        let count = data.kind.shape().count();
-        let wanted: Vec<usize> = (0..count).flat_map(|place| lanes.iter().map(move |lane| size * place + lane)).collect();
-        let node = self.graph.select(wanted, data.node);
+        let node = components(&mut self.graph, data.node, data.kind.shape().count(), size, lanes);
         let element = match lanes.len() {
             1 => ElementType::Number(dimension),
             size => ElementType::Vector { size, dimension, frame },
@@ -406,9 +382,8 @@ impl<'a> Checker<'a> {
                 return Err(self.report(diagnostic));
             }
         };
-        let count = data.kind.shape().count();
-        let wanted: Vec<usize> = (0..count).flat_map(|place| (first..first + 3).map(move |lane| 9 * place + lane)).collect();
-        let node = self.graph.select(wanted, data.node);
+        let lanes = [first, first + 1, first + 2];
+        let node = components(&mut self.graph, data.node, data.kind.shape().count(), 9, &lanes);
         Ok(TypedValue::new(node, data.kind.with_element(ElementType::world_vector(Dimension::NONE))))
     }
 
@@ -416,43 +391,44 @@ impl<'a> Checker<'a> {
     pub(crate) fn single_signal(&mut self, signal: &Signal, span: Span) -> Checked<TypedValue> {
         self.must_be_supported(signal, span)?;
         self.must_be_settled(signal, span)?;
-        let muscles: Vec<EntityRef> = (0..self.vocabulary.muscles.len()).map(EntityRef::Muscle).collect();
-        let interval = self.timing.interval;
-        Ok(match signal.read {
+        let (vocabulary, interval) = (self.vocabulary, self.timing.interval);
+        let (reading, kind): (Reading, Type) = match signal.read {
             Read::Action if !self.action.is_default() => {
-                let size = self.action.size(self.vocabulary.muscles.len());
+                let size = self.action.size(vocabulary.muscles.len());
                 self.spend(size, span)?;
-                let node = self.graph.sensors((0..size).map(Sensor::ActionEntry).collect());
-                TypedValue::new(node, Type::one_or_list(ElementType::PLAIN, true, size))
+                let entries = (0..size).map(Sensor::ActionEntry).collect();
+                (Reading::Sensors(entries), Type::one_or_list(ElementType::PLAIN, true, size))
             }
-            Read::Time => TypedValue::new(self.time(), ElementType::Number(Dimension::TIME)),
-            Read::Interval => TypedValue::new(self.graph.constant(interval), ElementType::Number(Dimension::TIME)),
-            Read::Step => TypedValue::new(self.graph.add(Operation::Step, &[]), ElementType::Int),
-            Read::Horizon => TypedValue::new(self.graph.constant(f64::from(self.timing.horizon)), ElementType::Int),
-            Read::Pi => TypedValue::new(self.graph.constant(std::f64::consts::PI), ElementType::PLAIN),
-            Read::BodyMass => TypedValue::new(self.graph.constant(self.vocabulary.mass), ElementType::Number(Dimension::MASS)),
+            Read::Time => (Reading::Time { interval }, ElementType::Number(Dimension::TIME).into()),
+            Read::Step => (Reading::Step, ElementType::Int.into()),
+            Read::Interval => (Reading::constant(interval), ElementType::Number(Dimension::TIME).into()),
+            Read::Horizon => (Reading::constant(f64::from(self.timing.horizon)), ElementType::Int.into()),
+            Read::Pi => (Reading::constant(std::f64::consts::PI), ElementType::PLAIN.into()),
+            Read::BodyMass => (Reading::constant(vocabulary.mass), ElementType::Number(Dimension::MASS).into()),
             Read::BodyWeight => {
-                let weight = self.vocabulary.mass * self.vocabulary.gravity;
-                TypedValue::new(self.graph.constant(weight), ElementType::Number(Dimension::FORCE))
+                let weight = vocabulary.mass * vocabulary.gravity;
+                (Reading::constant(weight), ElementType::Number(Dimension::FORCE).into())
             }
-            Read::CentreOfPressure => {
-                TypedValue::new(self.graph.sensors(vec![Sensor::CentreOfPressure]), ElementType::Place(Frame::World))
-            }
-            Read::SupportMargin => {
-                TypedValue::new(self.graph.sensors(vec![Sensor::SupportMargin]), ElementType::Number(Dimension::LENGTH))
-            }
+            Read::CentreOfPressure => (Reading::Sensors(vec![Sensor::CentreOfPressure]), ElementType::Place(Frame::World).into()),
+            Read::SupportMargin => (Reading::Sensors(vec![Sensor::SupportMargin]), ElementType::Number(Dimension::LENGTH).into()),
             Read::AngularMomentum => {
-                let kind = ElementType::world_vector(Dimension::ANGULAR_MOMENTUM);
-                TypedValue::new(self.graph.sensors(vec![Sensor::AngularMomentum]), kind)
+                let element = ElementType::world_vector(Dimension::ANGULAR_MOMENTUM);
+                (Reading::Sensors(vec![Sensor::AngularMomentum]), element.into())
             }
-            Read::Spine => self.spine(span)?,
-            Read::Terminated | Read::Finished | Read::Truncated | Read::Ended | Read::Survived => self.end_signal(signal.read)?,
-            _ if muscles.is_empty() => {
-                let message = format!("`{}` is that of the muscles, and this body has none", signal.name);
-                return Err(self.error(codes::names::NOTHING_FITS, span, message));
+            Read::Spine => (self.spine(span)?, ElementType::world_vector(Dimension::NONE).into()),
+            Read::Terminated | Read::Finished | Read::Truncated | Read::Ended | Read::Survived => {
+                return self.end_signal(signal.read);
             }
-            read => self.muscle_property(&muscles, true, read)?,
-        })
+            read => {
+                let muscles: Vec<EntityRef> = (0..vocabulary.muscles.len()).map(EntityRef::Muscle).collect();
+                if muscles.is_empty() {
+                    let message = format!("`{}` is that of the muscles, and this body has none", signal.name);
+                    return Err(self.error(codes::names::NOTHING_FITS, span, message));
+                }
+                return Ok(self.muscle_property(&muscles, true, read));
+            }
+        };
+        Ok(TypedValue::new(reading.emit(&mut self.graph), kind))
     }
 
     /// A constant of the task or of the body is no constant before that is known.
@@ -472,32 +448,12 @@ impl<'a> Checker<'a> {
     }
 
     /// The unit vector from the pelvis to the head.
-    fn spine(&mut self, span: Span) -> Checked<TypedValue> {
+    fn spine(&mut self, span: Span) -> Checked<Reading> {
         let landmark = |name: &str| self.vocabulary.landmarks.iter().position(|landmark| landmark.name == name);
         let (Some(pelvis), Some(head)) = (landmark("pelvis"), landmark("head")) else {
             let message = "`spine` needs landmarks `pelvis` and `head`, which this body does not have";
             return Err(self.error(codes::names::UNKNOWN_NAME, span, message));
         };
-        let from = self.graph.sensors(vec![Sensor::LandmarkPosition(pelvis)]);
-        let to = self.graph.sensors(vec![Sensor::LandmarkPosition(head)]);
-        let along = self.graph.binary(Binary::Subtract, to, from);
-        let node = self.unit_vector(along, 3);
-        Ok(TypedValue::new(node, ElementType::world_vector(Dimension::NONE)))
-    }
-
-    /// Each group of `size` lanes divided by its length; zero stays zero.
-    pub(crate) fn unit_vector(&mut self, vector: NodeId, size: usize) -> NodeId {
-        let count = self.graph.width(vector) / size;
-        let length = self.graph.reduce(Reduction::Norm, size, vector);
-        let zero = self.graph.constant(0.0);
-        let one = self.graph.constant(1.0);
-        let is_zero = self.graph.binary(Binary::Equal, length, zero);
-        let divisor = self.graph.add(Operation::Choose, &[is_zero, one, length]);
-        let repeated = if count == 1 {
-            divisor
-        } else {
-            self.graph.select((0..count).flat_map(|place| std::iter::repeat_n(place, size)), divisor)
-        };
-        self.graph.binary(Binary::Divide, vector, repeated)
+        Ok(Reading::Direction { from: Sensor::LandmarkPosition(pelvis), to: Sensor::LandmarkPosition(head) })
     }
 }

@@ -7,8 +7,8 @@ use super::context::{Checked, Checker, Failures, ReadMode};
 use super::types::{ElementType, Type};
 use super::value::{TypedValue, Value};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
+use crate::emit::places;
 use crate::graph::NodeId;
-use crate::graph::operation::Operation;
 use crate::numbers::for_people;
 use crate::resolve::scope::{Definition, Place};
 use crate::resolve::{Texts, label_of, summary, written};
@@ -210,14 +210,7 @@ impl<'a> Checker<'a> {
         if data.kind.element() != Some(ElementType::Rotation) {
             return data.node;
         }
-        let count = data.kind.shape().count();
-        let parts: Vec<NodeId> = (0..count)
-            .map(|place| {
-                let axes = self.graph.select(9 * place..9 * (place + 1), data.node);
-                self.graph.add(Operation::Quaternion, &[axes])
-            })
-            .collect();
-        self.graph.join(&parts)
+        places::quaternions(&mut self.graph, data.node, data.kind.shape().count())
     }
 }
 

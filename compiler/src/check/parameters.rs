@@ -3,12 +3,13 @@
 use super::context::{Checked, Checker, Failures};
 use super::dimension::Dimension;
 use super::offered::unit_of;
-use super::random::{KnownRandom, number};
+use super::random::KnownRandom;
 use super::types::{ElementType, Type};
 use super::value::{LiteralKind, TypedValue, Value};
 use crate::diagnostics::{FileId, Span, codes};
+use crate::emit::draws;
 use crate::graph::NodeId;
-use crate::graph::operation::{Binary, Chance, Operation, Unary};
+use crate::graph::operation::Chance;
 use crate::resolve::scope::Place;
 use crate::spoken::{self, SpokenUnit};
 use crate::syntax::tree::{Expr, ExprKind, TaskParameter, TaskStatement, UnaryOperator};
@@ -115,15 +116,12 @@ impl<'a> Checker<'a> {
             return known.data.node;
         }
         let index = self.randoms.len();
-        let u = self.chance(index, Chance::Uniform, 1);
         let whole = *kind == Type::One(ElementType::Int);
-        let [from, width] = [low, high - low + f64::from(u8::from(whole))].map(|value| self.graph.constant(value));
-        let mut share = self.graph.binary(Binary::Multiply, width, u);
-        if whole {
-            share = self.graph.unary(Unary::Floor, share);
-        }
-        let candidate = self.graph.binary(Binary::Add, from, share);
-        let node = self.graph.add(Operation::Drawn(number(index)), &[candidate]);
+        let graph = &mut self.graph;
+        let u = draws::noise(graph, index, Chance::Uniform, 1);
+        let [from, width] = [low, high - low + f64::from(u8::from(whole))].map(|value| graph.constant(value));
+        let candidate = draws::uniform(graph, from, width, whole, u);
+        let node = draws::held(graph, index, &[candidate]);
         self.randoms.push(KnownRandom {
             name: name.to_owned(),
             data: TypedValue::new(node, kind.clone()),

@@ -7,8 +7,9 @@ use super::context::{Checked, Checker, Failures, ReadMode, Step};
 use super::types::{ElementType, Frame, Type};
 use super::value::{LiteralKind, TypedValue, Value};
 use crate::diagnostics::{Span, codes};
+use crate::emit::draws;
 use crate::graph::NodeId;
-use crate::graph::operation::{Binary, Chance, Operation, Unary};
+use crate::graph::operation::{Binary, Chance, Operation};
 use crate::resolve::scope::{Declared, Definition};
 use crate::syntax::tree::{Argument, Expr, ExprKind, Random, TaskStatement};
 
@@ -86,8 +87,7 @@ impl<'a> Checker<'a> {
         };
         let mut data = self.randoms[index].data.clone();
         if self.mode.after {
-            let inputs = self.graph.node(data.node).inputs.clone();
-            data.node = self.graph.add(Operation::DrawnAfter(number(index)), &inputs);
+            data.node = draws::redrawn(&mut self.graph, index, data.node);
         }
         Ok(Value::Typed(data))
     }
@@ -114,13 +114,13 @@ impl<'a> Checker<'a> {
             self.must_not_remember(condition.node, index, accept.span)?;
             inputs.push(condition.node);
         }
-        let node = self.graph.add(Operation::Drawn(number(index)), &inputs);
+        let node = draws::held(&mut self.graph, index, &inputs);
         Ok(TypedValue { node, ..candidate })
     }
 
     /// Operators advance once per step, tries are many: what a try gives cannot be remembered.
     fn must_not_remember(&mut self, condition: NodeId, index: usize, span: Span) -> Checked<()> {
-        let index = number(index);
+        let index = draws::number(index);
         let mut tried = vec![false; self.graph.nodes().len()];
         let mut remembers = false;
         for id in self.graph.reachable([condition]) {
@@ -169,12 +169,8 @@ impl<'a> Checker<'a> {
         }
     }
 
-    pub(super) fn chance(&mut self, index: usize, chance: Chance, lanes: usize) -> NodeId {
-        self.graph.add(Operation::Noise(number(index), chance, number(lanes)), &[])
-    }
-
     fn draw_uniform(&mut self, ranges: &'a [Argument], index: usize, span: Span) -> Checked<TypedValue> {
-        let noise = self.chance(index, Chance::Uniform, ranges.len());
+        let noise = draws::noise(&mut self.graph, index, Chance::Uniform, ranges.len());
         let mut parts = Vec::new();
         let mut failures = Failures::default();
         for (place, range) in ranges.iter().enumerate() {
@@ -217,11 +213,7 @@ impl<'a> Checker<'a> {
             return Err(self.error(codes::tasks::OUT_OF_RANGE, range.span, "this range is empty"));
         }
         let width = self.graph.binary(Binary::Subtract, to, from);
-        let mut share = self.graph.binary(Binary::Multiply, width, u);
-        if kind == Type::One(ElementType::Int) {
-            share = self.graph.unary(Unary::Floor, share);
-        }
-        let node = self.graph.binary(Binary::Add, from, share);
+        let node = draws::uniform(&mut self.graph, from, width, kind == Type::One(ElementType::Int), u);
         Ok(TypedValue::new(node, kind))
     }
 
@@ -245,9 +237,8 @@ impl<'a> Checker<'a> {
             return Err(self.error(codes::tasks::OUT_OF_RANGE, deviation.span, "a standard deviation cannot be negative"));
         }
         let lanes = self.graph.width(middle.node);
-        let noise = self.chance(index, Chance::Normal, lanes);
-        let away = self.graph.binary(Binary::Multiply, width.node, noise);
-        let node = self.graph.binary(Binary::Add, middle.node, away);
+        let noise = draws::noise(&mut self.graph, index, Chance::Normal, lanes);
+        let node = draws::scaled(&mut self.graph, middle.node, width.node, noise);
         let kind = if middle.is_zero() && middle.kind.is_one_number() { width.kind } else { middle.kind.clone() };
         let plain = |element: ElementType| if element == ElementType::Int { ElementType::PLAIN } else { element };
         let kind = kind.map(|element| Some(plain(element))).unwrap_or(kind);
@@ -267,11 +258,8 @@ impl<'a> Checker<'a> {
         let (Some(length), Some(element)) = (list.kind.length(), list.kind.met()) else {
             return Err(self.error(codes::composition::DRAW, span, "`choice` takes several values or a list"));
         };
-        let u = self.chance(index, Chance::Uniform, 1);
-        let count = self.graph.constant(length as f64);
-        let place = self.graph.binary(Binary::Multiply, count, u);
-        let place = self.graph.unary(Unary::Floor, place);
-        let node = self.graph.add(Operation::Pick(number(list.kind.element_lanes())), &[list.node, place]);
+        let u = draws::noise(&mut self.graph, index, Chance::Uniform, 1);
+        let node = draws::choice(&mut self.graph, list.node, length, list.kind.element_lanes(), u);
         Ok(TypedValue::new(node, element))
     }
 
@@ -290,8 +278,4 @@ impl<'a> Checker<'a> {
             other => Err(self.not_numbers(&other, span)),
         }
     }
-}
-
-pub(super) fn number(index: usize) -> u32 {
-    u32::try_from(index).unwrap_or(u32::MAX)
 }

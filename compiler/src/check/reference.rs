@@ -10,9 +10,10 @@ use super::signals::{self, Owner};
 use super::types::{ElementType, Frame, Type};
 use super::value::{EntityRef, TypedValue, Value};
 use crate::diagnostics::{Diagnostic, FileId, Span, codes, nearest};
-use crate::frame::Sensor;
+use crate::emit::motion::MotionClock;
+use crate::emit::{draws, motion};
 use crate::graph::NodeId;
-use crate::graph::operation::{Binary, Chance, Memory, Operation};
+use crate::graph::operation::Chance;
 use crate::graph::track::Track;
 use crate::motion::{Motion, RootPart};
 use crate::numbers::for_people;
@@ -105,9 +106,9 @@ impl<'a> Checker<'a> {
     fn start(&mut self, reference: &'a Reference) -> Checked<NodeId> {
         let Some(start) = &reference.start else { return Ok(self.graph.constant(0.0)) };
         if matches!(&start.kind, ExprKind::Name(name) if name.text == "uniform") {
-            let index = u32::try_from(self.randoms.len()).unwrap_or(u32::MAX);
-            let drawn = self.graph.add(Operation::Noise(index, Chance::Uniform, 1), &[]);
-            let node = self.graph.add(Operation::Drawn(index), &[drawn]);
+            let index = self.randoms.len();
+            let drawn = draws::noise(&mut self.graph, index, Chance::Uniform, 1);
+            let node = draws::held(&mut self.graph, index, &[drawn]);
             let name = format!("{}.start", reference.name.text);
             self.randoms.push(KnownRandom {
                 name,
@@ -188,29 +189,14 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Whole turns since phase 0, with the start in them.
-    fn turns(&mut self, index: usize) -> NodeId {
-        let (start, duration) = (self.references[index].start, self.references[index].motion.duration);
-        let (time, duration) = (self.time(), self.graph.constant(duration));
-        let turns = self.graph.binary(Binary::Divide, time, duration);
-        self.graph.binary(Binary::Add, start, turns)
-    }
-
-    /// The time of the motion, s: at the start phase, or now.
-    fn motion_time(&mut self, index: usize, at_start: bool) -> NodeId {
-        let turns = if at_start { self.references[index].start } else { self.turns(index) };
-        let duration = self.graph.constant(self.references[index].motion.duration);
-        self.graph.binary(Binary::Multiply, turns, duration)
+    /// When an episode of this task reads a motion.
+    fn clock_of(&self, index: usize) -> MotionClock {
+        let KnownReference { start, motion, .. } = &self.references[index];
+        MotionClock { start: *start, duration: motion.duration, interval: self.timing.interval }
     }
 
     fn motion_phase(&mut self, index: usize) -> TypedValue {
-        let turns = self.turns(index);
-        let one = self.graph.constant(1.0);
-        let node = if self.references[index].motion.cycle {
-            self.graph.binary(Binary::Modulo, turns, one)
-        } else {
-            self.graph.binary(Binary::Minimum, turns, one)
-        };
+        let node = self.clock_of(index).phase(&mut self.graph, self.references[index].motion.cycle);
         TypedValue::new(node, ElementType::PLAIN)
     }
 
@@ -221,8 +207,10 @@ impl<'a> Checker<'a> {
         self.references[index].motion.joints().filter_map(place).collect()
     }
 
-    fn follow(&mut self, motion: Arc<Motion>, columns: Vec<usize>, rates: bool, time: NodeId) -> NodeId {
-        self.graph.add(Operation::Follow(Track { motion, columns, rates }), &[time])
+    /// Columns of a motion, or their rates, at the present time.
+    fn follow(&mut self, index: usize, motion: Arc<Motion>, columns: Vec<usize>, rates: bool) -> NodeId {
+        let time = self.clock_of(index).now(&mut self.graph);
+        motion::columns(&mut self.graph, Track { motion, columns, rates }, time)
     }
 
     /// `gait.q(knee_angle_r)`, `gait.q(legs)`, `gait.q`: of all joints that the motion moves.
@@ -261,8 +249,7 @@ impl<'a> Checker<'a> {
             return Err(self.says_nothing(index, &missing, things.len(), place));
         }
         let kind = if list { Type::numbers(dimensions) } else { ElementType::Number(dimensions[0]).into() };
-        let time = self.motion_time(index, false);
-        Ok(TypedValue::new(self.follow(motion, columns, rates, time), kind))
+        Ok(TypedValue::new(self.follow(index, motion, columns, rates), kind))
     }
 
     /// The motion has no column for these joints.
@@ -314,29 +301,22 @@ impl<'a> Checker<'a> {
 
     /// Where something of the motion is that has columns x, y and z, when the motion starts under the root.
     fn carried(&mut self, index: usize, motion: Arc<Motion>, columns: Vec<usize>) -> NodeId {
-        let (now, start) = (self.motion_time(index, false), self.motion_time(index, true));
-        let place = self.follow(motion.clone(), columns, false, now);
         let level: Vec<usize> = [RootPart::X, RootPart::Y].into_iter().filter_map(|part| motion.root(part)).collect();
-        let begun = self.graph.sensors(vec![Sensor::RootPosition]);
-        let begun = self.graph.memory(Memory::Initial, &[begun]);
-        let begun = self.graph.select([0, 1], begun);
-        let origin = self.follow(motion, level, false, start);
-        let shift = self.graph.binary(Binary::Subtract, begun, origin);
-        let zero = self.graph.constant(0.0);
-        let shift = self.graph.join(&[shift, zero]);
-        self.graph.binary(Binary::Add, place, shift)
+        let track = |columns: Vec<usize>| Track { motion: motion.clone(), columns, rates: false };
+        let clock = self.clock_of(index);
+        motion::carried(&mut self.graph, clock, track(columns), track(level))
     }
 
     fn motion_velocity(&mut self, index: usize, span: Span) -> Checked<TypedValue> {
         let columns = self.root_columns(index, &[RootPart::X, RootPart::Y, RootPart::Height], span)?;
-        let (motion, time) = (self.references[index].motion.clone(), self.motion_time(index, false));
-        Ok(TypedValue::new(self.follow(motion, columns, true, time), ElementType::world_vector(Dimension::SPEED)))
+        let motion = self.references[index].motion.clone();
+        Ok(TypedValue::new(self.follow(index, motion, columns, true), ElementType::world_vector(Dimension::SPEED)))
     }
 
     fn motion_turn(&mut self, index: usize, part: RootPart, span: Span) -> Checked<TypedValue> {
         let columns = self.root_columns(index, &[part], span)?;
-        let (motion, time) = (self.references[index].motion.clone(), self.motion_time(index, false));
-        Ok(TypedValue::new(self.follow(motion, columns, false, time), ElementType::WrappingAngle))
+        let motion = self.references[index].motion.clone();
+        Ok(TypedValue::new(self.follow(index, motion, columns, false), ElementType::WrappingAngle))
     }
 
     /// `gait.site(ankle_r)`: where a landmark should be.

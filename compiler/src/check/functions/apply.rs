@@ -8,7 +8,7 @@ use crate::check::observe::spoken_unit;
 use crate::check::types::{ElementType, Frame, Shape, Type};
 use crate::check::value::{LiteralKind, TypedValue, Value};
 use crate::diagnostics::{Span, codes};
-use crate::graph::NodeId;
+use crate::emit::Arguments;
 use crate::syntax::tree::Expr;
 
 /// Arguments that fit a signature.
@@ -17,12 +17,10 @@ pub(super) struct Bound<'a> {
     pub exprs: Vec<&'a Expr>,
     /// Of the whole call.
     pub span: Span,
-    /// Laid out alike.
-    pub nodes: Vec<NodeId>,
     /// Of each argument.
     pub kinds: Vec<Type>,
-    /// Of the arguments that are alike, else of the first.
-    pub subject: Type,
+    /// Laid out alike.
+    pub arguments: Arguments,
 }
 
 /// An argument, evaluated.
@@ -70,13 +68,16 @@ pub(super) fn apply<'a>(checker: &mut Checker<'a>, call: &Call<'a>, signatures: 
         let message = format!("the exponents of the unit of this {} are too large", signature.gives.noun());
         return Err(checker.error(codes::types::POWER, bound.exprs[0].span, message));
     };
+    let (graph, arguments) = (&mut checker.graph, &bound.arguments);
+    let nodes = arguments.nodes.as_slice();
     let node = match &signature.computes {
-        Computes::Unary(function) => checker.graph.unary(*function, bound.nodes[0]),
-        Computes::Binary(function) => checker.graph.binary(*function, bound.nodes[0], bound.nodes[1]),
-        Computes::Memory(memory) => checker.graph.memory(*memory, &bound.nodes),
-        Computes::Reduce(_) if bound.kinds[0].shape() == Shape::One => bound.nodes[0],
-        Computes::Reduce(reduction) => checker.graph.reduce(*reduction, bound.length(), bound.nodes[0]),
-        Computes::Nodes(compute) => compute(checker, &bound)?,
+        Computes::Unary(function) => graph.unary(*function, nodes[0]),
+        Computes::Binary(function) => graph.binary(*function, nodes[0], nodes[1]),
+        Computes::Memory(memory) => graph.memory(*memory, nodes),
+        Computes::Reduce(_) if bound.kinds[0].shape() == Shape::One => nodes[0],
+        Computes::Reduce(reduction) => graph.reduce(*reduction, arguments.length, nodes[0]),
+        Computes::Emits(emit) => emit(graph, arguments),
+        Computes::Looks(look) => look(checker, &bound)?,
     };
     Ok(TypedValue::new(node, kind))
 }
@@ -133,8 +134,14 @@ fn bind<'a>(
         (nodes.into_iter(), shape)
     };
     let nodes = (0..data.len()).map(|place| if maps(place) { laid_out.next() } else { None }.unwrap_or(data[place].node));
-    let bound = Bound { nodes: nodes.collect(), span: call.span, exprs, kinds, subject };
-    Ok((bound, shape))
+    let arguments = Arguments {
+        nodes: nodes.collect(),
+        subject,
+        length: kinds[0].shape().count(),
+        lanes: kinds[0].element_lanes(),
+        interval: checker.timing.interval,
+    };
+    Ok((Bound { span: call.span, exprs, kinds, arguments }, shape))
 }
 
 /// What arguments cannot do, in the words of an error.
@@ -320,23 +327,5 @@ impl<'a> Checker<'a> {
             }
         };
         self.report(error.found(found))
-    }
-}
-
-impl Bound<'_> {
-    /// The nodes of all arguments; a signature and what it computes name equally many.
-    pub(super) fn take<const COUNT: usize>(&self) -> [NodeId; COUNT] {
-        debug_assert_eq!(self.nodes.len(), COUNT);
-        std::array::from_fn(|place| self.nodes[place])
-    }
-
-    /// Number of elements of the first argument.
-    pub(super) fn length(&self) -> usize {
-        self.kinds[0].shape().count()
-    }
-
-    /// Lanes of an element of the first argument.
-    pub(super) fn lanes(&self) -> usize {
-        self.kinds[0].element_lanes()
     }
 }

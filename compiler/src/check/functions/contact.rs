@@ -6,6 +6,7 @@ use crate::check::dimension::Dimension;
 use crate::check::types::{ElementType, Type};
 use crate::check::value::{EntityRef, TypedValue, Value};
 use crate::diagnostics::{Span, codes};
+use crate::emit::places;
 use crate::frame::Sensor;
 use crate::graph::NodeId;
 use crate::graph::operation::{Reduction, Unary};
@@ -235,9 +236,7 @@ pub(super) fn contact_force<'a>(checker: &mut Checker<'a>, call: &Call<'a>) -> C
     if count == 1 {
         return Ok(TypedValue::new(node, force));
     }
-    let by_axis = checker.graph.select((0..3).flat_map(|axis| (0..count).map(move |place| 3 * place + axis)), node);
-    let node = checker.graph.reduce(Reduction::Sum, count, by_axis);
-    Ok(TypedValue::new(node, force))
+    Ok(TypedValue::new(places::total(&mut checker.graph, node, count), force))
 }
 
 /// The force on the first part by the second.

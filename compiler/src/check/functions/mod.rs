@@ -2,15 +2,12 @@
 
 mod apply;
 mod contact;
-mod elementary;
-mod lists;
 mod muscles;
 pub mod signature;
-mod temporal;
 mod terrain;
 #[cfg(test)]
 mod tests;
-mod vectors;
+mod values;
 
 use super::context::{Checked, Checker, Reported};
 use super::dimension::Dimension;
@@ -19,6 +16,7 @@ use super::types::ElementType;
 use super::unit;
 use super::value::TypedValue;
 use crate::diagnostics::{Diagnostic, Span, codes};
+use crate::emit::{elementary, lists, temporal, vectors};
 use crate::graph::operation::{Binary, Memory, Reduction, Unary};
 use crate::syntax::tree::{Argument, BinaryOperator, Expr, ExprKind};
 use signature::{Computes, Gives, Parameter, Shapes, Signature, Takes, alike, each, list, of, one, repeated};
@@ -89,7 +87,14 @@ macro_rules! fold {
 /// A function of several arguments that are laid out alike.
 macro_rules! form {
     ($($parameter:expr),+ => $gives:expr, $function:expr) => {
-        &[of(&[$($parameter),+], $gives, Computes::Nodes($function))]
+        &[of(&[$($parameter),+], $gives, Computes::Emits($function))]
+    };
+}
+
+/// The same, where type checking looks at the values of arguments.
+macro_rules! looked_at {
+    ($($parameter:expr),+ => $gives:expr, $function:expr) => {
+        &[of(&[$($parameter),+], $gives, Computes::Looks($function))]
     };
 }
 
@@ -114,7 +119,7 @@ pub const FUNCTIONS: &[Function] = &[
     row("acos", "acos(x)", "angle whose cosine is x, x clipped to -1..1", map!("x": PLAIN => TO_ANGLE, ArcCosine)),
     row("atan2", "atan2(y, x)", "angle of the point (x, y); both have the same unit",
         &[of(&[alike("y", Takes::Number), alike("x", Takes::Number)], Gives::WrappingAngle, Computes::Binary(Binary::ArcTangent2))]),
-    row("abs", "abs(x)", "absolute value", form!(each("x", Takes::Number) => Gives::Unsigned, elementary::abs)),
+    row("abs", "abs(x)", "absolute value", looked_at!(each("x", Takes::Number) => Gives::Unsigned, values::abs)),
     row("sign", "sign(x)", "-1, 0 or 1", map!("x": Takes::Number => Gives::Whole, Sign)),
     row("floor", "floor(x)", "largest whole number not above x", map!("x": PLAIN => Gives::Whole, Floor)),
     row("mod", "mod(x, y)", "x - y floor(x / y)",
@@ -123,30 +128,30 @@ pub const FUNCTIONS: &[Function] = &[
         &[of(&[alike("x", Takes::Number), alike("y", Takes::Number)], Gives::Magnitude, Computes::Binary(Binary::Hypotenuse))]),
     row("min", "min(x, y, ...) or min(list)", "the lowest",
         &[of(&[list(Takes::Counted)], Gives::Same, Computes::Reduce(Reduction::Minimum)),
-          repeated(&[alike("x", Takes::Ordered), alike("y", Takes::Ordered)], Gives::Same, Computes::Nodes(lists::lowest))]),
+          repeated(&[alike("x", Takes::Ordered), alike("y", Takes::Ordered)], Gives::Same, Computes::Emits(lists::lowest))]),
     row("max", "max(x, y, ...) or max(list)", "the highest",
         &[of(&[list(Takes::Counted)], Gives::Same, Computes::Reduce(Reduction::Maximum)),
-          repeated(&[alike("x", Takes::Ordered), alike("y", Takes::Ordered)], Gives::Same, Computes::Nodes(lists::highest))]),
-    row("clip", "clip(x, low, high)", "x limited to low..high", &[of(&BOUNDED, Gives::Same, Computes::Nodes(elementary::clip))]),
+          repeated(&[alike("x", Takes::Ordered), alike("y", Takes::Ordered)], Gives::Same, Computes::Emits(lists::highest))]),
+    row("clip", "clip(x, low, high)", "x limited to low..high", &[of(&BOUNDED, Gives::Same, Computes::Emits(elementary::clip))]),
     row("lerp", "lerp(a, b, share)", "a + share (b - a)",
         form!(alike("a", Takes::Number), alike("b", Takes::Number), each("share", PLAIN) => Gives::Blend, elementary::lerp)),
-    row("between", "between(x, low, high)", "condition: low <= x <= high", &[of(&BOUNDED, Gives::Condition, Computes::Nodes(elementary::between))]),
-    row("smoothstep", "smoothstep(x, low, high)", "0 below low, 1 above high, smooth between", &[of(&BOUNDED, TO_PLAIN, Computes::Nodes(elementary::smoothstep))]),
+    row("between", "between(x, low, high)", "condition: low <= x <= high", &[of(&BOUNDED, Gives::Condition, Computes::Emits(elementary::between))]),
+    row("smoothstep", "smoothstep(x, low, high)", "0 below low, 1 above high, smooth between", &[of(&BOUNDED, TO_PLAIN, Computes::Emits(elementary::smoothstep))]),
     row("tolerance", "tolerance(x, low, high, margin)", "1 within low..high, outside a bell curve that is 0.1 at the margin",
         form!(BOUNDED[0], BOUNDED[1], BOUNDED[2], alike("margin", Takes::Number) => TO_PLAIN, elementary::tolerance)),
-    row("sum", "sum(list)", "sum of a list; conditions are 0 or 1", fold!(Takes::Summed => Gives::Sum, Computes::Nodes(lists::sum))),
-    row("mean", "mean(list)", "mean of a list; of places a place, of angles that wrap their circular mean", fold!(Takes::Averaged => Gives::Mean, Computes::Nodes(lists::mean))),
-    row("std", "std(list)", "standard deviation of a list of numbers, divided by n", fold!(Takes::Counted => Gives::Magnitude, Computes::Nodes(lists::std))),
+    row("sum", "sum(list)", "sum of a list; conditions are 0 or 1", fold!(Takes::Summed => Gives::Sum, Computes::Emits(lists::sum))),
+    row("mean", "mean(list)", "mean of a list; of places a place, of angles that wrap their circular mean", fold!(Takes::Averaged => Gives::Mean, Computes::Emits(lists::mean))),
+    row("std", "std(list)", "standard deviation of a list of numbers, divided by n", fold!(Takes::Counted => Gives::Magnitude, Computes::Emits(lists::std))),
     row("prod", "prod(list)", "product of a list of dimensionless numbers", fold!(Takes::Counted => Gives::Product, Computes::Reduce(Reduction::Product))),
     row("norm", "norm(v)", "length of a vector; root of the sum of squares of a list of numbers",
-        &[of(&[each("v", Takes::Vector)], Gives::Magnitude, Computes::Nodes(lists::length)),
+        &[of(&[each("v", Takes::Vector)], Gives::Magnitude, Computes::Emits(lists::length)),
           of(&[Parameter { name: "v", ..list(Takes::Counted) }], Gives::Magnitude, Computes::Reduce(Reduction::Norm))]),
     row("any", "any(list)", "condition: at least one condition holds",
         &[of(&[Parameter { shapes: Shapes::OneOrList, ..list(Takes::Condition) }], Gives::Condition, Computes::Reduce(Reduction::Maximum))]),
     row("all", "all(list)", "condition: all conditions hold",
         &[of(&[Parameter { shapes: Shapes::OneOrList, ..list(Takes::Condition) }], Gives::Condition, Computes::Reduce(Reduction::Minimum))]),
-    row("first", "first(list)", "first element", fold!(Takes::Anything => Gives::ElementAt { last: false }, Computes::Nodes(lists::first))),
-    row("last", "last(list)", "last element", fold!(Takes::Anything => Gives::ElementAt { last: true }, Computes::Nodes(lists::last))),
+    row("first", "first(list)", "first element", fold!(Takes::Anything => Gives::ElementAt { last: false }, Computes::Emits(lists::first))),
+    row("last", "last(list)", "last element", fold!(Takes::Anything => Gives::ElementAt { last: true }, Computes::Emits(lists::last))),
     row("argmin", "argmin(list)", "index of the lowest element", fold!(Takes::Counted => Gives::Whole, Computes::Reduce(Reduction::ArgMinimum))),
     row("argmax", "argmax(list)", "index of the highest element", fold!(Takes::Counted => Gives::Whole, Computes::Reduce(Reduction::ArgMaximum))),
     row("dot", "dot(a, b)", "scalar product of two vectors in the same frame",
@@ -160,11 +165,11 @@ pub const FUNCTIONS: &[Function] = &[
     row("angle_between", "angle_between(a, b)", "angle between two vectors, 0 to pi",
         form!(each("a", Takes::Vector3), each("b", Takes::Vector3) => TO_ANGLE, vectors::angle_between)),
     row("angle_difference", "angle_difference(a, b)", "of two angles the wrapped difference from a to b; of two orientations the angle of the rotation between them, 0 to pi",
-        &[of(&[alike("a", Takes::Rotation), alike("b", Takes::Rotation)], TO_ANGLE, Computes::Nodes(vectors::turn_of_axes)),
-          of(&[alike("a", Takes::Angle), alike("b", Takes::Angle)], Gives::WrappingAngle, Computes::Nodes(vectors::turn))]),
+        &[of(&[alike("a", Takes::Rotation), alike("b", Takes::Rotation)], TO_ANGLE, Computes::Emits(vectors::turn_of_axes)),
+          of(&[alike("a", Takes::Angle), alike("b", Takes::Angle)], Gives::WrappingAngle, Computes::Emits(vectors::turn))]),
     own("moment_arm", "moment_arm(muscle, joint)", "moment arm of a muscle, or of each of a list, about a joint", muscles::moment_arm),
     row("neutral", "neutral(x)", "the value of x in the body's standing pose, computed at compile time",
-        form!(each("x", Takes::Anything) => Gives::Same, vectors::neutral)),
+        looked_at!(each("x", Takes::Anything) => Gives::Same, values::neutral)),
     own("touching", "touching(a, b)", "condition: a and b are in contact; a named group is one entity, a list gives one result per member", contact::touching),
     own("contact_force", "contact_force(a, b)", "force on a by b, expressed in the world frame", contact::contact_force),
     own("contact_count", "contact_count(a, b)", "number of contact points between them", contact::contact_count),
@@ -216,7 +221,7 @@ pub const OPERATORS: &[Function] = &[
     row("sample_hold", "sample_hold(x, c)", "x at the last step at which c held; before that x at step 0",
         &[of(&[each("x", Takes::Anything), each("c", Takes::Condition)], Gives::Same, Computes::Memory(Memory::Sampled))]),
     row("delay", "delay(x, 10 steps)", "x delayed by the duration; before that x at step 0",
-        form!(each("x", Takes::Anything), one("duration", Takes::Duration) => Gives::Same, temporal::delay)),
+        looked_at!(each("x", Takes::Anything), one("duration", Takes::Duration) => Gives::Same, values::delay)),
 ];
 
 /// The function called `name`.

@@ -7,6 +7,7 @@ use super::apply::Bound;
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::{Dimension, Rational};
 use crate::check::types::{ElementType, Shape, Type};
+use crate::emit::Emit;
 use crate::graph::NodeId;
 use crate::graph::operation::{Binary, Memory, Reduction, Unary};
 use std::fmt;
@@ -145,7 +146,10 @@ pub(super) enum Computes {
     Memory(Memory),
     /// Of the whole list.
     Reduce(Reduction),
-    Nodes(for<'c, 'a> fn(&'c mut Checker<'a>, &Bound<'a>) -> Checked<NodeId>),
+    /// By a formula of its own.
+    Emits(Emit),
+    /// By one that depends on what type checking finds of the values.
+    Looks(for<'c, 'a> fn(&'c mut Checker<'a>, &Bound<'a>) -> Checked<NodeId>),
 }
 
 /// One way to call a function.
@@ -294,7 +298,7 @@ impl Gives {
                 let dimension = a.dimension()?.times(b.dimension()?)?;
                 Some(if self == Self::Dot { ElementType::Number(dimension) } else { a.in_dimension(dimension) })
             }),
-            _ => bound.subject.map(|element| self.element(element)),
+            _ => bound.arguments.subject.map(|element| self.element(element)),
         }?;
         Some(match (mapped.shape(), shape) {
             (Shape::One, Shape::List(_)) => Type::new(mapped.element_at(0), shape),

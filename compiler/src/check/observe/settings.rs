@@ -6,8 +6,9 @@ use crate::check::random::KnownRandom;
 use crate::check::types::ElementType;
 use crate::check::value::TypedValue;
 use crate::diagnostics::{codes, nearest};
+use crate::emit::{channels, draws, temporal};
 use crate::graph::NodeId;
-use crate::graph::operation::{Binary, Chance, Memory, Operation};
+use crate::graph::operation::{Binary, Chance};
 use crate::resolve::scope::Place;
 use crate::resolve::{Texts, written};
 use crate::syntax::tree::{ChannelSetting, ExprKind};
@@ -129,7 +130,7 @@ impl<'a> Checker<'a> {
         if seen.dimension != Some(dimension) {
             return Err(self.other_dimension(name, setting, dimension, seen));
         }
-        let (index, width) = (self.randoms.len() as u32, self.graph.width(seen.node));
+        let (index, width) = (self.randoms.len(), self.graph.width(seen.node));
         let (chance, low, high) = match spread {
             Spread::None => return Ok(()),
             Spread::Normal(deviation) => (Chance::Normal, 0.0, deviation),
@@ -137,12 +138,14 @@ impl<'a> Checker<'a> {
         };
         let size = if chance == Chance::Normal { high } else { 0.5 * (high - low) };
         seen.noise.push(AddedNoise { signal: seen.node, size });
-        let raw = self.graph.add(Operation::Noise(index, chance, width as u32), &[]);
-        let [offset, size] = [low, high - low].map(|value| self.graph.constant(value));
-        let spread = self.graph.binary(Binary::Multiply, size, raw);
-        let candidate = self.graph.binary(Binary::Add, offset, spread);
-        let drawn = self.graph.add(Operation::Drawn(index), &[candidate]);
-        let always = self.graph.constant(1.0);
+        let graph = &mut self.graph;
+        let raw = draws::noise(graph, index, chance, width);
+        let [offset, size] = [low, high - low].map(|value| graph.constant(value));
+        let candidate = draws::scaled(graph, offset, size, raw);
+        let drawn = draws::held(graph, index, &[candidate]);
+        let after = draws::redrawn(graph, index, drawn);
+        seen.node = graph.binary(Binary::Add, seen.node, after);
+        let always = graph.constant(1.0);
         let stream = format!("{name}.noise");
         let again = self.randoms.iter().filter(|known| known.name.starts_with(&stream)).count();
         self.randoms.push(KnownRandom {
@@ -152,8 +155,6 @@ impl<'a> Checker<'a> {
             written: Some([source.trim_start_matches("noise ").to_owned(), "every step".to_owned()]),
             parameter: None,
         });
-        let after = self.graph.add(Operation::DrawnAfter(index), &[candidate]);
-        seen.node = self.graph.binary(Binary::Add, seen.node, after);
         Ok(())
     }
 
@@ -169,7 +170,7 @@ impl<'a> Checker<'a> {
 
     fn delayed(&mut self, node: NodeId, steps: u32, setting: &ChannelSetting) -> Checked<NodeId> {
         self.hold(steps as usize * self.graph.width(node), setting.span)?;
-        Ok(self.graph.memory(Memory::Delay(steps), &[node]))
+        Ok(temporal::delayed(&mut self.graph, node, steps))
     }
 
     /// The present value and those of the steps before, the latest first.
@@ -203,8 +204,7 @@ impl<'a> Checker<'a> {
         if unit <= 0.0 {
             return Err(self.error(codes::tasks::OUT_OF_RANGE, setting.value.span, "`scale` must be positive"));
         }
-        let unit = self.graph.constant(unit);
-        seen.node = self.graph.binary(Binary::Divide, seen.node, unit);
+        seen.node = channels::scaled(&mut self.graph, seen.node, unit);
         if !plain {
             (seen.dimension, seen.scaled) = (Some(Dimension::NONE), true);
         }
@@ -225,9 +225,7 @@ impl<'a> Checker<'a> {
         if bottom >= top {
             return Err(self.error(codes::tasks::OUT_OF_RANGE, setting.value.span, "the lower end must be below the upper end"));
         }
-        let [bottom, top] = [bottom, top].map(|value| self.graph.constant(value));
-        let raised = self.graph.binary(Binary::Maximum, seen.node, bottom);
-        seen.node = self.graph.binary(Binary::Minimum, raised, top);
+        seen.node = channels::clipped(&mut self.graph, seen.node, [bottom, top]);
         Ok(())
     }
 
