@@ -2,8 +2,11 @@
 //!
 //! 1. [`Index::of`] reads the files and what they use;
 //! 2. `declare` collects what files, tasks and bodies declare; what a task overrides is the same symbol as what it inherits;
-//! 3. `refer` walks through all formulas and finds what each word means, in the order in which the checker looks.
+//! 3. `refer` walks through all formulas and finds what each word means, in the order in which the checker looks;
+//! 4. `agreement` tests that the checker finds the same.
 
+#[cfg(test)]
+mod agreement;
 mod declare;
 mod refer;
 
