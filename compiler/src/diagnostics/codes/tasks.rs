@@ -34,8 +34,9 @@ codes! {
         fix: "reward { 15 (5..30) a = com.height / 1 m }",
     }
     TIMING = "E0407" {
-        title: "times that do not divide evenly",
-        explanation: "A control step is a whole number of physics steps, and an episode a whole number of control steps.",
+        title: "times that do not divide evenly, or never end",
+        explanation: "A control step is a whole number of physics steps, at most a million, and an episode a whole number of control \
+            steps, at most a hundred million, with at most ten billion physics steps.",
         example: "control 300 Hz",
         fix: "control 250 Hz",
     }
