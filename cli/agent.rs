@@ -2,11 +2,11 @@
 
 use crate::error::Error;
 use crate::output;
+use crate::terminal;
 use clap::Subcommand;
 use msk::compiler::numbers::for_people;
 use msk::train::Agent;
-use msk_storage::printable;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -51,14 +51,14 @@ struct Forms {
 /// # Errors
 /// A folder that holds no agent, or a file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     match args.action {
         Action::Show { agent } => {
             let agent = Agent::read(&agent)?;
             let known = &agent.description;
-            writeln!(out, "task       {} ({})", printable(&known.task), printable(&known.task_hash))?;
-            writeln!(out, "body       {} ({})", printable(&known.body), printable(&known.body_hash))?;
-            writeln!(out, "learned    {}, {} control steps, seed {}", printable(&known.algorithm), known.steps, known.seed)?;
+            writeln!(out, "task       {} ({})", known.task, known.task_hash)?;
+            writeln!(out, "body       {} ({})", known.body, known.body_hash)?;
+            writeln!(out, "learned    {}, {} control steps, seed {}", known.algorithm, known.steps, known.seed)?;
             writeln!(out, "network    {}", agent.sizes())?;
             if let Some(found) = known.evaluation {
                 let (success, total) = (for_people(100.0 * found.success), for_people(found.total));

@@ -2,7 +2,8 @@
 
 use crate::error::{Error, FAILURE};
 use crate::levels::LevelArgs;
-use crate::project::{self, Settings};
+use crate::project::Settings;
+use crate::terminal;
 use crate::texts;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -11,7 +12,7 @@ use msk::compiler::task::CompiledTask;
 use msk::compiler::{compile, compile_with};
 use msk::evaluate::probe;
 use msk::runtime::library::{BodyLibrary, FileLoader};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -61,7 +62,7 @@ enum Format {
 /// The report cannot be printed. Errors in the files are its content and make the exit code 1.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let bodies = BodyLibrary::default();
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     let mut sound = true;
     for file in &args.files {
         if args.fix {
@@ -91,7 +92,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         match args.format {
             Format::Json => writeln!(out, "{}", report.to_json())?,
             Format::Text => {
-                write!(out, "{}", report.render(project::style(&io::stdout())))?;
+                out.diagnostics(&terminal::rendered_out(&report))?;
                 if !report.has_errors() {
                     writeln!(out, "{}: {}", file.display(), found(tasks, report.diagnostics.len()))?;
                 }
@@ -129,7 +130,7 @@ fn mend(file: &Path, bodies: &BodyLibrary) -> Result<(), Error> {
             let path = Path::new(report.sources.path(source));
             // What is embedded in the program is not there to be changed.
             if count > 0 && path.exists() && texts::replace_if(path, report.sources.text(source), &text)? {
-                writeln!(io::stderr().lock(), "{}: {} applied", path.display(), plural(count, "fix", "fixes"))?;
+                writeln!(terminal::notes(), "{}: {} applied", path.display(), plural(count, "fix", "fixes"))?;
                 changed = true;
             }
         }

@@ -10,6 +10,8 @@ use crate::overlays::Overlays;
 use crate::policies::{Limits, Recorder};
 use crate::progress;
 use crate::project::{Project, Settings};
+use crate::terminal;
+use msk::compiler::numbers::fixed;
 use msk::evaluate::play_watched;
 use msk::evaluate::{
     EpisodeRecord, EpisodeSet, EvaluationError, Journal, JournalError, Moments, Plan, Protocol, RunSettings, Shard, Trial,
@@ -18,7 +20,7 @@ use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::policy::PolicyError;
 use msk_storage::Folder;
 use recording::{LAYOUT, Recording, layout};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -78,13 +80,13 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let collection = Collection { plan: &plan, journal: &journal, interrupt: &interrupt };
     must_have_archives(&folder, &kept.done, args.episodes)?;
     if !collection.complete(&kept.done, &mut totals)? {
-        writeln!(io::stderr(), "interrupted; the same command with `--out {}` goes on", folder.display())?;
+        writeln!(terminal::notes(), "interrupted; the same command with `--out {}` goes on", folder.display())?;
         return Ok(interrupt.code());
     }
     let Totals { steps, successes, returns } = totals;
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     let (episodes, mean) = (returns.count(), returns.mean());
-    let numbers = format!("{episodes} episodes, {steps} control steps, {successes} successes, mean return {mean:.1}");
+    let numbers = format!("{episodes} episodes, {steps} control steps, {successes} successes, mean return {}", fixed(mean, 1));
     writeln!(out, "{numbers}\nData: {}", folder.display())?;
     writeln!(out, "      data.json names the columns, episodes.jsonl has a line per episode")?;
     Ok(ExitCode::SUCCESS)
@@ -139,7 +141,12 @@ impl Collection<'_> {
             let key = EpisodeKey { seed: protocol.seed, episode };
             let Some(record) = self.play(trial, key, &mut environment, &mut policy)? else { return Ok(false) };
             let outcome = if record.success { "success" } else { "no success" };
-            writeln!(io::stderr(), "episode {episode}: {} steps, return {:.1}, {outcome}", record.steps, record.total)?;
+            writeln!(
+                terminal::notes(),
+                "episode {episode}: {} steps, return {}, {outcome}",
+                record.steps,
+                fixed(record.total, 1)
+            )?;
             totals.add(&record);
         }
         Ok(true)

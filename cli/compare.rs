@@ -2,11 +2,11 @@
 
 use crate::error::Error;
 use crate::eval::explain;
-use msk::compiler::numbers::for_people;
+use crate::terminal;
+use msk::compiler::numbers::{fixed, for_people};
 use msk::evaluate::compare::{Estimate, Outcomes, Pairing, compare};
 use msk::evaluate::{Journal, report::Table};
-use msk_storage::printable;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -41,14 +41,14 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         let message = format!("`{}` and `{}` have no episode in common", args.first.display(), args.second.display());
         return Err(Error::new(message).hint("evaluate the same tasks with the same seed"));
     }
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     if args.json {
         serde_json::to_writer_pretty(&mut out, &pairings)?;
         writeln!(out)?;
         return Ok(ExitCode::SUCCESS);
     }
-    writeln!(out, "A: {}, policy {}", args.first.display(), printable(&first.policy))?;
-    writeln!(out, "B: {}, policy {}", args.second.display(), printable(&second.policy))?;
+    writeln!(out, "A: {}, policy {}", args.first.display(), first.policy)?;
+    writeln!(out, "B: {}, policy {}", args.second.display(), second.policy)?;
     for pairing in &pairings {
         let Pairing { task, conditions: [a, b], task_hashes, model_hashes, .. } = pairing;
         if task_hashes[0] != task_hashes[1] {
@@ -83,7 +83,7 @@ fn name(pairing: &Pairing) -> String {
 fn success(pairings: &[Pairing]) -> Table {
     let mut table = Table::new(&["task", "pairs", "success A, %", "success B, %", "B - A, % [95 %]"]);
     for pairing in pairings {
-        let [first, second] = pairing.success.map(|rate| format!("{:.0}", 100.0 * rate));
+        let [first, second] = pairing.success.map(|rate| fixed(100.0 * rate, 0));
         let difference = estimate(pairing.success_difference, 100.0);
         table.row(vec![name(pairing), pairing.pairs.to_string(), first, second, difference]);
     }

@@ -2,12 +2,13 @@
 
 use crate::error::{Context, Error, FAILURE};
 use crate::project::{Settings, compiled};
+use crate::terminal;
 use crate::texts;
 use clap::ValueEnum;
 use msk::compiler::difference::Difference;
 use msk::compiler::snapshot::Snapshot;
 use msk::compiler::task::CompiledTask;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -57,7 +58,7 @@ fn compare(args: &Args) -> Result<ExitCode, Error> {
         return Err(Error::new(message).hint("name a task of each: FILE@TASK"));
     }
     let same = differences.iter().all(Difference::is_empty);
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     match args.format {
         Format::Json => writeln!(out, "{}", serde_json::to_string_pretty(&differences)?)?,
         Format::Text => differences

@@ -1,12 +1,14 @@
 //! `msk draw`: a picture of a body, or of the initial state of a task.
 
 use crate::error::{Context, Error};
+use crate::numbers::within;
 use crate::output;
 use crate::physics::read_state;
-use crate::project::{Project, style};
+use crate::project::Project;
+use crate::terminal;
 use msk::compiler::body::BodyDescription;
 use msk::compiler::compile;
-use msk::compiler::numbers::{exact, for_people};
+use msk::compiler::numbers::for_people;
 use msk::compiler::snapshot::names;
 use msk::compiler::task::{CompiledTask, RootPlacement, Setting, TaskState};
 use msk::draw::{Options, Sheet, View, svg};
@@ -16,7 +18,7 @@ use msk::runtime::body::sensors::Snapshot;
 use msk::runtime::episode::{Ending, EpisodeKey};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::{bodies, body::Body};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -48,7 +50,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Activation of all muscles, 0 to 1, if no state is given
-    #[arg(long, value_name = "LEVEL", default_value_t = 0.0, conflicts_with = "state")]
+    #[arg(long, value_name = "LEVEL", default_value_t = 0.0, value_parser = within(0.0, 1.0), conflicts_with = "state")]
     activation: f64,
     /// Viewpoint
     #[arg(long, value_enum, default_value_t = Views::Both)]
@@ -78,9 +80,6 @@ enum Views {
 /// # Errors
 /// A body, pose, state or model that cannot be found, read or used, or a file that cannot be written.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    if !(0.0..=1.0).contains(&args.activation) {
-        return Err(Error::usage(format!("an activation is between 0 and 1, found {}", exact(args.activation))));
-    }
     if let Some(task) = &args.task {
         let picture = initial_states(task, &args)?;
         return write(&args, &picture);
@@ -111,7 +110,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 fn write(args: &Args, picture: &str) -> Result<ExitCode, Error> {
     match &args.out {
         Some(path) => output::write(path, picture)?,
-        None => io::stdout().lock().write_all(picture.as_bytes())?,
+        None => terminal::bytes().write_all(picture.as_bytes())?,
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -175,8 +174,7 @@ fn posed(body: &Body, model: &Model, pose: &str, activation: f64) -> Result<Stat
 /// No such body, errors in its file, or a file that holds several.
 pub fn describe(name: &str, library: &BodyLibrary) -> Result<BodyDescription, Error> {
     let path = find(name)?;
-    let compilation =
-        compile(&path, &FileLoader, library).map_err(|report| Error::rendered(report.render(style(&io::stderr()))))?;
+    let compilation = compile(&path, &FileLoader, library).map_err(|report| Error::rendered(&report))?;
     match compilation.bodies.as_slice() {
         [body] => Ok((**body).clone()),
         bodies => Err(Error::new(format!("{} contains {} bodies, not one", path.display(), bodies.len()))),

@@ -1,6 +1,7 @@
 //! The error of a command that cannot go on: one message, its causes, and what to do about it.
 
-use msk_storage::printable;
+use crate::terminal;
+use msk::compiler::diagnostics::Report;
 use std::error::Error as StdError;
 use std::fmt::{self, Display};
 use std::io::{self, Write};
@@ -34,8 +35,13 @@ impl Error {
     }
 
     /// A failure that has already been put into words, line by line, by the compiler.
-    pub fn rendered(report: String) -> Self {
-        Self { rendered: true, ..Self::new(report) }
+    pub fn rendered(report: &Report) -> Self {
+        Self { rendered: true, ..Self::new(terminal::rendered(report)) }
+    }
+
+    /// The same, followed by what came of it.
+    pub fn rendered_then(report: &Report, then: &str) -> Self {
+        Self { rendered: true, ..Self::new(format!("{}error: {then}\n", terminal::rendered(report))) }
     }
 
     /// The same failure, where a command's failures have the exit code of a wrong use.
@@ -56,9 +62,9 @@ impl Error {
         if self.quiet {
             return ExitCode::SUCCESS;
         }
+        let (mut notes, text) = (terminal::notes(), self.to_string());
         // Nothing is left to be done when standard error itself cannot be written.
-        let text = if self.rendered { self.to_string() } else { printable(&self.to_string()) };
-        let _ = write!(io::stderr().lock(), "{text}");
+        let _ = if self.rendered { notes.diagnostics(&text) } else { notes.write_all(text.as_bytes()) };
         ExitCode::from(self.code)
     }
 }

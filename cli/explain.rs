@@ -5,10 +5,11 @@ use crate::help;
 use crate::output;
 use crate::overlays::Overlays;
 use crate::project::{self, Project, Settings};
+use crate::terminal;
 use clap::ValueEnum;
 use msk::compiler::explain::{self, Options, TaskReport};
 use msk::evaluate::Trial;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -49,7 +50,7 @@ enum Format {
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let named = args.task.as_deref().unwrap_or(project::SUITE);
     if help::has_page(named) {
-        write!(io::stdout().lock(), "{}", help::page_of(named)?)?;
+        write!(terminal::out(), "{}", help::page_of(named)?)?;
         return Ok(ExitCode::SUCCESS);
     }
     let (project, mut trials) = Project::select(named, &args.settings.settings)?;
@@ -71,7 +72,8 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     };
     match &args.out {
         Some(path) => output::write(path, text)?,
-        None => io::stdout().lock().write_all(text.as_bytes())?,
+        None if matches!(args.format, Format::Text | Format::Json) => terminal::out().write_all(text.as_bytes())?,
+        None => terminal::bytes().write_all(text.as_bytes())?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -3,10 +3,11 @@
 use crate::error::Error;
 use crate::output;
 use crate::project::{Project, Settings};
+use crate::terminal;
 use clap::ValueEnum;
 use msk::export;
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -51,7 +52,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
             .map_err(|refused| Error::new(refused.to_string()).hint("leave these signals out, or stay on MSK's own simulator"))?;
         files.extend(exported.files().into_iter().map(|(name, text)| (name, text.to_owned())));
     }
-    let (folder, mut out) = (output::folder(&args.out, FOLDER)?, io::stdout().lock());
+    let (folder, mut out) = (output::folder(&args.out, FOLDER)?, terminal::out());
     for (name, text) in &files {
         folder.replace(Path::new(name), text.as_bytes())?;
         writeln!(out, "{}", args.out.join(name).display())?;

@@ -1,7 +1,8 @@
 //! `msk fmt [PATH...]`: the one layout.
 
 use crate::error::{Context, Error, FAILURE};
-use crate::{project, texts};
+use crate::terminal;
+use crate::texts;
 use msk::compiler::diagnostics::{Report, SourceMap};
 use msk::compiler::files::Loader;
 use msk::compiler::format::{FormatError, format};
@@ -33,7 +34,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         return standard_input(args.check);
     }
     let mut sound = true;
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     for path in texts::find(&args.paths)? {
         let text = FileLoader.load(&path)?;
         let Some(formatted) = laid_out(&path.display().to_string(), &text)? else {
@@ -61,7 +62,7 @@ fn standard_input(check: bool) -> Result<ExitCode, Error> {
     if check {
         return Ok(if formatted == text { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) });
     }
-    write!(io::stdout().lock(), "{formatted}")?;
+    write!(terminal::bytes(), "{formatted}")?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -73,7 +74,7 @@ fn laid_out(name: &str, text: &str) -> Result<Option<String>, Error> {
         Ok(formatted) => Ok(Some(formatted)),
         Err(FormatError::Unreadable(errors)) => {
             let report = Report::new(sources, errors);
-            write!(io::stderr().lock(), "{}", report.render(project::style(&io::stderr())))?;
+            terminal::notes().diagnostics(&terminal::rendered(&report))?;
             Ok(None)
         }
         Err(error @ FormatError::Changed) => Err(error).context(|| format!("{name} is unchanged")),

@@ -3,9 +3,10 @@
 
 use crate::Cli;
 use crate::error::Error;
+use crate::terminal;
 use clap::CommandFactory;
 use msk::compiler::diagnostics::{Code, codes, lints};
-use std::io::{self, Write};
+use std::io::Write;
 use std::process::ExitCode;
 
 /// What the exit codes mean, for people and scripts; `msk help exit-codes` prints it.
@@ -31,7 +32,7 @@ pub struct Args {
 /// # Errors
 /// An unknown command or code.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     match args.topic.as_slice() {
         [topic] if has_page(topic) => write!(out, "{}", page_of(topic)?)?,
         [topic] if topic == "lints" => write!(out, "{}", table_of_lints())?,

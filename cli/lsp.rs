@@ -1,6 +1,7 @@
 //! `msk lsp`: the language server, for editors.
 
 use crate::error::{Error, FAILURE};
+use crate::terminal;
 use crate::texts;
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk_lsp::Ended;
@@ -26,7 +27,7 @@ pub struct Args {
 /// Standard input or output fails.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let Args { stdio: _ } = args;
-    let (connection, threads) = msk_lsp::connect(io::stdin(), io::stdout())?;
+    let (connection, threads) = msk_lsp::connect(io::stdin(), terminal::bytes())?;
     let bodies = BodyLibrary::default();
     // A folder that cannot be read holds no file that could be changed.
     let list = |folder: &Path| -> Vec<PathBuf> { texts::find(&[folder.to_path_buf()]).unwrap_or_default() };

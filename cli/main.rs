@@ -45,6 +45,7 @@ mod run;
 mod sensitivity;
 mod session;
 mod snapshot;
+mod terminal;
 mod test;
 mod texts;
 mod trace;
@@ -142,6 +143,8 @@ impl Command {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::try_parse().unwrap_or_else(|error| renamed::with_present_name(error).exit());
-    cli.command.run().unwrap_or_else(|error| error.report())
+    match Cli::try_parse() {
+        Ok(cli) => cli.command.run().unwrap_or_else(|error| error.report()),
+        Err(error) => terminal::usage(&renamed::with_present_name(error)),
+    }
 }

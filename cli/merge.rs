@@ -2,8 +2,9 @@
 
 use crate::error::Error;
 use crate::eval::explain;
+use crate::terminal;
 use msk::evaluate::{MergeError, merge, report};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -28,7 +29,7 @@ pub struct Args {
 /// Folders that are not the shards of one evaluation, or are incomplete.
 pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let merged = merge(&args.shards, &args.out).map_err(with_hint)?;
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     write!(out, "{}", report::overview(&merged.summary))?;
     writeln!(out, "Results: {}", args.out.display())?;
     writeln!(out, "         {} episodes from {} shards", merged.episodes, args.shards.len())?;

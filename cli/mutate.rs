@@ -1,14 +1,15 @@
 //! `msk mutate [FILES]`: mutation testing of tasks.
 
 use crate::error::{Error, FAILURE};
-use crate::numbers::not_negative;
-use crate::project::{Project, style};
+use crate::numbers::within;
+use crate::project::Project;
+use crate::terminal;
 use clap::ValueEnum;
 use msk::compiler::mutation::{self, Class, Part};
 use msk::evaluate::testing::mutation::{Count, Outcome, Verdict, mutate};
 use msk::runtime::library::FileLoader;
 use serde_json::json;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -33,10 +34,10 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
     /// Percentage of the mutants of values, terms, terminations and success that may survive
-    #[arg(long, value_name = "PERCENT", default_value_t = 100.0, value_parser = not_negative)]
+    #[arg(long, value_name = "PERCENT", default_value_t = 100.0, value_parser = within(0.0, 100.0))]
     max_survivors: f64,
     /// Percentage of the mutants of scene, initial state and observation that may survive
-    #[arg(long, value_name = "PERCENT", requires = "include_scene", value_parser = not_negative)]
+    #[arg(long, value_name = "PERCENT", requires = "include_scene", value_parser = within(0.0, 100.0))]
     max_scene_survivors: Option<f64>,
 }
 
@@ -53,7 +54,7 @@ enum Format {
 /// # Errors
 /// Errors in a file, or no such task.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     let mut all: Vec<Verdict> = Vec::new();
     let mut known: Vec<String> = Vec::new();
     let parts = if args.include_scene { &Part::ALL[..] } else { &[Part::Meaning] };
@@ -68,7 +69,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
                     continue;
                 }
                 let verdicts = mutate(Path::new(path), text, &name, parts, &FileLoader, &project.bodies)
-                    .map_err(|report| Error::rendered(report.render(style(&io::stderr()))))?;
+                    .map_err(|report| Error::rendered(&report))?;
                 for verdict in &verdicts {
                     print(&mut out, args.format, &name, path, text, verdict)?;
                 }

@@ -1,10 +1,26 @@
 //! Numbers on the command line.
 
-/// A number from 0 on: neither infinite nor NaN, which compare with nothing.
-///
-/// # Errors
-/// Any other text.
-pub fn not_negative(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
-    number.ok_or_else(|| format!("`{text}` is not a number from 0 on"))
+use msk::compiler::numbers::exact;
+
+/// Reads a number from `low` to `high`, both of which it may be: neither infinite nor NaN, which compare with nothing, nor of a size
+/// that what is computed from it cannot have.
+pub fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
+    move |text| {
+        let number = text.trim().parse().ok().filter(|number: &f64| *number >= low && *number <= high);
+        number.ok_or_else(|| format!("`{text}` is not a number from {} to {}", exact(low), exact(high)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_numbers_of_the_range_are_read() {
+        let part = within(0.0, 1.0);
+        assert_eq!(["0", " 0.5 ", "1"].map(|text| part(text).ok()), [Some(0.0), Some(0.5), Some(1.0)]);
+        for wrong in ["NaN", "inf", "-inf", "1e308", "-1e-308", "1.1", "", "half"] {
+            assert_eq!(part(wrong), Err(format!("`{wrong}` is not a number from 0 to 1")));
+        }
+    }
 }

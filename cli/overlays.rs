@@ -1,7 +1,8 @@
 //! `--weights` and `--weight`: weights over those of the source, for subcommands that use tasks.
 
 use crate::error::{Context, Error};
-use crate::project::{self, Project};
+use crate::project::Project;
+use crate::terminal;
 use msk::compiler::diagnostics::{Report, SourceMap};
 use msk::compiler::files::Loader;
 use msk::compiler::task::Origin;
@@ -9,7 +10,7 @@ use msk::evaluate::Trial;
 use msk::runtime::library::FileLoader;
 use msk::tuning::live::{Live, LiveError};
 use msk::tuning::overlay::{Overlay, Wish, wished};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Weights laid over the source: first a file's, then those of the command line.
@@ -46,7 +47,7 @@ impl Overlays {
             let origin = Origin::Overlay(name.clone());
             let laid = Overlay::read(&name, &text, &mut sources)
                 .and_then(|overlay| overlay.apply(&project.compilation.tasks, &origin))
-                .map_err(|problems| Error::rendered(Report::new(sources, problems).render(project::style(&io::stderr()))))?;
+                .map_err(|problems| Error::rendered(&Report::new(sources, problems)))?;
             for trial in &mut *trials {
                 if let Some(task) = laid.iter().find(|task| task.name == trial.task.name) {
                     trial.task = task.clone();
@@ -69,10 +70,10 @@ impl Overlays {
         let path = self.weights.as_deref().unwrap_or(Path::new(""));
         let notify = |message: &str| {
             // Nothing is left to be done when standard error itself cannot be written.
-            let _ = writeln!(io::stderr(), "{message}");
+            let _ = writeln!(terminal::notes(), "{message}");
         };
         Live::open(path, tasks, notify).map_err(|error| match error {
-            LiveError::Refused(report) => Error::rendered(report.render(project::style(&io::stderr()))),
+            LiveError::Refused(report) => Error::rendered(&report),
             error => error.into(),
         })
     }

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::named::by_name;
 use crate::output;
-use msk::compiler::numbers::exact;
+use msk::compiler::numbers::{exact, fixed};
 use msk::evaluate::Trial;
 use msk::runtime::episode::{Ending, Environment};
 use msk::view::render::{Colouring, LARGEST, Options, Picture, Renderer, Scene, Strip, Theme, View, film_strip};
@@ -115,7 +115,8 @@ impl<'a> Pictures<'a> {
         if let Some(path) = &self.args.png {
             let scene = self.moment.as_ref().ok_or_else(nothing)?;
             if let Some(at) = self.args.at.filter(|at| *at > scene.time + 0.5 * episode.control_period() + 1e-9) {
-                let message = format!("there is no picture at {} s: the episode ended after {:.2} s", exact(at), scene.time);
+                let message =
+                    format!("there is no picture at {} s: the episode ended after {} s", exact(at), fixed(scene.time, 2));
                 return Err(Error::new(message).hint("choose an earlier time with --at, or leave it out for the end"));
             }
             save(path, &scene.render(&options)?)?;

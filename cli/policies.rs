@@ -1,6 +1,7 @@
 //! `--policy` and `--policy-timeout`, and actions written to a file.
 
 use crate::error::{Context, Error};
+use crate::numbers::within;
 use crate::output;
 use msk::plan::Preset;
 use msk::runtime::policy::{ActsOn, Policy, PolicyContext, PolicyError, PolicySource};
@@ -8,11 +9,14 @@ use npyz::WriterBuilder;
 use std::path::Path;
 use std::time::Duration;
 
+/// An hour is more than any policy thinks, and less than any clock overflows at.
+const LONGEST: f64 = 3600.0;
+
 /// Limits for policies that are programs.
 #[derive(clap::Args)]
 pub struct Limits {
     /// How long a policy that is a process may take for each reply, s
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = within(0.001, LONGEST))]
     policy_timeout: f64,
 }
 
@@ -39,12 +43,6 @@ pub fn recorded(policy: &str) -> Result<PolicySource, Error> {
         Error::new(format!("the results name the policy `{policy}`; only built-in policies are played from results: {error}"))
             .hint("play the episode with `msk run TASK --html FILE`, with the `--policy`, `--seed` and `--episode` of the run")
     })
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    let seconds: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    // An hour is more than any policy thinks, and less than any clock overflows at.
-    if seconds > 0.0 && seconds <= 3600.0 { Ok(seconds) } else { Err("it must be more than 0 and at most 3600".into()) }
 }
 
 /// A policy whose actions are kept.

@@ -1,9 +1,11 @@
 //! What is shown while an evaluation runs: a row for each task as it ends and, on a terminal, a line that tells how far it is.
 
+use crate::terminal;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use msk::compiler::numbers::fixed;
 use msk::evaluate::{EpisodeRecord, Plan, Resumed, TaskSummary, Watcher};
 use msk::physics::scalar::Real;
-use std::io::{self, Write};
+use std::io::Write;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -93,7 +95,7 @@ impl Progress {
         let Some(row) = change(task) else { return };
         // Nothing is left to be done when standard error itself cannot be written.
         self.bar.suspend(|| {
-            let _ = writeln!(io::stderr(), "{:<width$}  {row}", task.name);
+            let _ = writeln!(terminal::notes(), "{:<width$}  {row}", task.name);
         });
     }
 }
@@ -117,7 +119,8 @@ impl Watcher for Progress {
             task.add(record);
             let Task { episodes, ended, successes, total, seconds, .. } = task;
             let mean = *total / *ended as f64;
-            (ended == episodes).then(|| format!("{successes:>3} of {ended} succeeded  return {mean:>9.1}  {seconds:>6.1} s"))
+            (ended == episodes)
+                .then(|| format!("{successes:>3} of {ended} succeeded  return {:>9}  {seconds:>6.1} s", fixed(mean, 1)))
         });
     }
 

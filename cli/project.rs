@@ -1,13 +1,13 @@
 //! Files of tasks, compiled: shared by all subcommands that take one.
 
 use crate::error::{Context, Error};
+use crate::terminal;
 use msk::compiler::compile::Setting;
-use msk::compiler::diagnostics::{Levels, Report, Style};
+use msk::compiler::diagnostics::{Levels, Report};
 use msk::compiler::task::CompiledTask;
 use msk::compiler::{Compilation, compile_with};
 use msk::evaluate::Trial;
 use msk::runtime::library::{BodyLibrary, FileLoader};
-use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -37,14 +37,13 @@ impl Project {
     /// All errors of the compiler, and warnings that are denied.
     pub fn open_at(path: &Path, settings: &[Setting], levels: &Levels) -> Result<Self, Error> {
         let bodies = BodyLibrary::default();
-        let compilation = compile_with(path, &FileLoader, &bodies, settings)
-            .map_err(|report| Error::rendered(report.render(style(&io::stderr()))))?;
+        let compilation = compile_with(path, &FileLoader, &bodies, settings).map_err(|report| Error::rendered(&report))?;
         let mut warnings = Report::new(compilation.sources.clone(), compilation.warnings.clone());
         levels.apply(&mut warnings.diagnostics);
         if warnings.has_errors() {
-            return Err(Error::rendered(warnings.render(style(&io::stderr()))));
+            return Err(Error::rendered(&warnings));
         }
-        write!(io::stderr().lock(), "{}", warnings.render(style(&io::stderr())))?;
+        terminal::notes().diagnostics(&terminal::rendered(&warnings))?;
         Ok(Self { compilation, bodies })
     }
 
@@ -111,8 +110,8 @@ pub fn named(name: &str) -> Result<(&Path, Option<&str>), Error> {
 /// No such task or file, or errors in it.
 pub fn compiled(name: &str, settings: &[Setting]) -> Result<Vec<Arc<CompiledTask>>, Error> {
     let (file, only) = named(name)?;
-    let compilation = compile_with(file, &FileLoader, &BodyLibrary::default(), settings)
-        .map_err(|report| Error::rendered(report.render(style(&io::stderr()))))?;
+    let compilation =
+        compile_with(file, &FileLoader, &BodyLibrary::default(), settings).map_err(|report| Error::rendered(&report))?;
     Ok(chosen(&compilation, only)?.into_iter().cloned().collect())
 }
 
@@ -146,10 +145,4 @@ fn setting(text: &str) -> Result<Setting, String> {
         }
         _ => Err("a parameter is set as NAME=VALUE".into()),
     }
-}
-
-/// Colours for people, none for files and pipes.
-pub fn style(stream: &impl IsTerminal) -> Style {
-    let coloured = stream.is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    if coloured { Style::Coloured } else { Style::Plain }
 }

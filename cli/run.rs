@@ -10,9 +10,10 @@ use crate::pictures::{PictureArgs, Pictures};
 use crate::policies::{Limits, Recorder};
 use crate::progress;
 use crate::project::{Project, Settings};
+use crate::terminal;
 use crate::trace;
 use crate::view::live::Live;
-use msk::compiler::numbers::{exact, for_people};
+use msk::compiler::numbers::{exact, fixed, for_people};
 use msk::evaluate::{
     EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Shard, Summary, TraceRecorder, Tracing, Trial, play_to_horizon,
     play_watched, replay_watched, report,
@@ -21,7 +22,7 @@ use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::inspect::StateFile;
 use msk::runtime::policy::{Policy, PolicyError, PolicySource};
 use msk::view::Caption;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -156,7 +157,7 @@ fn play(args: &Args, trial: Trial, source: PolicySource, interrupt: &Interrupt, 
     if let Some(live) = live {
         live.end(&film, html::caption(&record))?;
     }
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     if args.json {
         serde_json::to_writer(&mut out, &record)?;
         writeln!(out)?;
@@ -229,11 +230,14 @@ fn to_horizon(
     film.write(args.html.as_deref(), caption)?;
     pictures.write(episode)?;
     let summary = format!("{first}; continued to {steps} steps of {}, {fault}", task.horizon);
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     writeln!(
         out,
-        "{}, policy {}: {summary}; largest penetration {deepest:.1} mm, largest speed of the root {fastest:.1} m/s",
-        task.name, args.policy
+        "{}, policy {}: {summary}; largest penetration {} mm, largest speed of the root {} m/s",
+        task.name,
+        args.policy,
+        fixed(deepest, 1),
+        fixed(fastest, 1)
     )?;
     Ok(ExitCode::SUCCESS)
 }
@@ -261,7 +265,7 @@ fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode
     write_trace(args, recorder, &played)?;
     film.write(args.html.as_deref(), html::caption(&played))?;
     pictures.write(&episode)?;
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     if args.json {
         serde_json::to_writer(&mut out, &played)?;
         writeln!(out)?;
@@ -272,7 +276,7 @@ fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode
         writeln!(out, "return {}{weights}", for_people(played.total))?;
     }
     if played.same_as(record) {
-        writeln!(io::stderr(), "the same as in `{}`, bit for bit", folder.display())?;
+        writeln!(terminal::notes(), "the same as in `{}`, bit for bit", folder.display())?;
         return Ok(ExitCode::SUCCESS);
     }
     let message = format!(
@@ -301,5 +305,5 @@ pub fn ending(record: &EpisodeRecord) -> String {
 fn headline(record: &EpisodeRecord, time: f64) -> String {
     let EpisodeRecord { task, policy, seed, episode, steps, .. } = record;
     let end = ending(record);
-    format!("{task}, policy {policy}, seed {seed}, episode {episode}: {end} after {steps} steps ({time:.2} s)")
+    format!("{task}, policy {policy}, seed {seed}, episode {episode}: {end} after {steps} steps ({} s)", fixed(time, 2))
 }

@@ -11,12 +11,13 @@ use crate::overlays::Overlays;
 use crate::policies::Limits;
 use crate::progress::Progress;
 use crate::project::{Project, Settings};
+use crate::terminal;
 use msk::compiler::numbers::{exact, for_people};
 use msk::compiler::task::Origin;
 use msk::compiler::weights::Bounds;
 use msk::evaluate::{self, Plan, Protocol, Resumed, RunSettings, Shard, Summary, Trial};
 use msk_storage::Folder;
-use std::io::{self, Write};
+use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -78,11 +79,11 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let protocol = Protocol { episodes: args.episodes, seed: args.seed };
     let mut rows: Vec<Row> = Vec::new();
     for (number, variant) in variants.iter().enumerate() {
-        writeln!(io::stderr(), "{} of {}: {}", number + 1, variants.len(), variant.name())?;
+        writeln!(terminal::notes(), "{} of {}: {}", number + 1, variants.len(), variant.name())?;
         let trials = vec![variant.trial.clone()];
         let plan = Plan { trials, policy: policy.clone(), protocol, shard: Shard::WHOLE };
         let Some(summary) = play(&plan, &output::subfolder(&folder, &variant.folder())?, &interrupt)? else {
-            writeln!(io::stderr(), "interrupted; the same command with `--out {}` goes on", folder.display())?;
+            writeln!(terminal::notes(), "interrupted; the same command with `--out {}` goes on", folder.display())?;
             return Ok(interrupt.code());
         };
         if let Some(reason) = summary.tasks.iter().find_map(|task| task.skipped.clone()) {
@@ -94,7 +95,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let title = format!("`{}` under `{}`", trial.task.name, policy.name());
     output::write_in(&kept, "sensitivity.md", markdown(&title, &rows))?;
     output::write_in(&kept, "sensitivity.svg", plot(&title, &rows))?;
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     writeln!(out, "{}", text(&rows))?;
     writeln!(out, "Results: {}", folder.display())?;
     writeln!(out, "         sensitivity.svg draws the table, each variant has a folder with its episodes")?;

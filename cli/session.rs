@@ -1,15 +1,17 @@
 //! `msk session`: an episode that waits for each decision.
 
 use crate::error::{Context, Error};
+use crate::numbers::within;
 use crate::policies::Limits;
 use crate::project::Project;
-use msk::compiler::numbers::for_people;
+use crate::terminal;
+use msk::compiler::numbers::{fixed, for_people};
 use msk::evaluate::session::{Comparison, Errors, Moment, Session, SessionFolder, SessionFolderError, read_action};
 use msk::evaluate::trace::{Quantity, StepReader};
 use msk::evaluate::{Trial, play_watched};
 use msk::runtime::episode::{Environment, EpisodeKey};
-use msk_storage::{Folder, printable, read_text_file};
-use std::io::{self, Write};
+use msk_storage::{Folder, read_text_file};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -72,7 +74,7 @@ struct Init {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// How long an action is held, s: whole control steps
-    #[arg(long, default_value_t = 0.2, value_name = "SECONDS")]
+    #[arg(long, default_value_t = 0.2, value_name = "SECONDS", value_parser = within(1e-6, 1e6))]
     hold: f64,
     /// Most decisions
     #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -128,7 +130,7 @@ fn tracking(args: &TrackingArgs) -> Result<ExitCode, Error> {
     let steps = session.settings.decisions.saturating_mul(session.settings.hold);
     let reference = followed(&trial, args, session.settings.seed, steps)?;
     let meters = |value: f64| format!("{} m", for_people(value));
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     writeln!(out, "tracking error {}, last {}, largest {}", meters(summary.rmse), meters(summary.last), meters(summary.largest))?;
     if let Some(summary) = reference.summary() {
         let largest = meters(summary.largest);
@@ -186,13 +188,13 @@ fn explain(error: SessionFolderError) -> Error {
 fn status(session: &Session) -> Result<ExitCode, Error> {
     let steps = session.steps();
     let (taken, all) = (session.decisions.len(), session.settings.decisions);
-    let mut out = io::stdout().lock();
-    let task = printable(&session.settings.task);
-    writeln!(out, "{task}: {taken} of {all} decisions, {steps} control steps, return {:.3}", session.total)?;
+    let mut out = terminal::out();
+    let task = &session.settings.task;
+    writeln!(out, "{task}: {taken} of {all} decisions, {steps} control steps, return {}", fixed(session.total, 3))?;
     match &session.stopped {
         Some(reason) => {
             let success = if session.success { "success" } else { "no success" };
-            writeln!(out, "stopped: {}, {success}", printable(reason))?;
+            writeln!(out, "stopped: {reason}, {success}")?;
         }
         None => writeln!(out, "waits for the answer to decision-{taken:03}.json")?,
     }

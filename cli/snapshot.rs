@@ -3,12 +3,13 @@
 use crate::error::{Context, Error, FAILURE};
 use crate::output;
 use crate::project::{self, Settings, compiled};
+use crate::terminal;
 use msk::compiler::difference::Difference;
 use msk::compiler::snapshot::Snapshot;
 use msk::compiler::task::CompiledTask;
 use msk_storage::read_text_file;
 use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -65,7 +66,7 @@ fn name(task: &str) -> PathBuf {
 fn write(tasks: &[(Snapshot, Arc<CompiledTask>)], folder: &Path) -> Result<ExitCode, Error> {
     // A folder from somebody else may hold links in place of snapshots: nothing is written through them.
     let opened = output::folder(folder, FOLDER)?;
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     for (snapshot, task) in tasks {
         let (name, text) = (name(snapshot.task()), snapshot.to_string());
         // What cannot be read as a snapshot has nothing to be compared with.
@@ -87,7 +88,7 @@ fn write(tasks: &[(Snapshot, Arc<CompiledTask>)], folder: &Path) -> Result<ExitC
 }
 
 fn check(tasks: &[(Snapshot, Arc<CompiledTask>)], folder: &Path, whole: bool) -> Result<ExitCode, Error> {
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     let mut sound = true;
     for (snapshot, task) in tasks {
         let path = folder.join(name(snapshot.task()));
@@ -109,7 +110,7 @@ fn check(tasks: &[(Snapshot, Arc<CompiledTask>)], folder: &Path, whole: bool) ->
         sound = false;
     }
     if !sound {
-        writeln!(io::stderr().lock(), "hint: if the change is intended, run `msk snapshot` and commit the result")?;
+        writeln!(terminal::notes(), "hint: if the change is intended, run `msk snapshot` and commit the result")?;
         return Ok(ExitCode::from(FAILURE));
     }
     writeln!(

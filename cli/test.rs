@@ -7,6 +7,7 @@ use crate::output;
 use crate::policies::Limits;
 use crate::project::{Project, Settings};
 use crate::ranking;
+use crate::terminal;
 use clap::ValueEnum;
 use msk::compiler::diagnostics::{FileId, Span};
 use msk::compiler::task::CompiledTask;
@@ -17,7 +18,7 @@ use msk::view::{Caption, Recorder, Recording, page};
 use msk_storage::Folder;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -66,7 +67,7 @@ enum Format {
 /// # Errors
 /// Errors in a file, a task without a body, or no test to run.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     let (mut seen, mut names) = (BTreeSet::new(), BTreeSet::new());
     let policy = args.policy.as_ref().map(|policy| args.limits.source(policy)).transpose()?;
     let (mut passed, mut failed, mut left_out, mut without) = (0, 0, 0, Vec::new());
@@ -156,7 +157,7 @@ fn write_pages(
         let content = page(&title, &recordings)?;
         let name = file_name(&report.task, &report.title, names);
         output::write_in(&Folder::create(folder)?, &name, content)?;
-        writeln!(io::stderr(), "{}", folder.join(name).display())?;
+        writeln!(terminal::notes(), "{}", folder.join(name).display())?;
     }
     Ok(())
 }

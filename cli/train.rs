@@ -8,6 +8,7 @@ use crate::interrupt::Interrupt;
 use crate::named::by_name;
 use crate::progress;
 use crate::project::{Project, Settings as Parameters};
+use crate::terminal;
 use indicatif::{HumanDuration, ProgressBar};
 use lessons::Named;
 use msk::compiler::numbers::for_people;
@@ -134,12 +135,12 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     };
     let (mut session, resumed) = Session::open(&folder, training).map_err(|error| explain(error, &folder))?;
     let name = settings.algorithm.name();
-    writeln!(io::stderr(), "{}: {name}, {steps} steps, seed {}, in `{}`", trial.task.name, args.seed, folder.display())?;
+    writeln!(terminal::notes(), "{}: {name}, {steps} steps, seed {}, in `{}`", trial.task.name, args.seed, folder.display())?;
     if let Some(size) = session.training().replay().filter(|size| size.kept < size.wanted) {
-        writeln!(io::stderr(), "{}", replay_note(&size))?;
+        writeln!(terminal::notes(), "{}", replay_note(&size))?;
     }
     if resumed {
-        writeln!(io::stderr(), "resuming after {} steps", session.training().step())?;
+        writeln!(terminal::notes(), "resuming after {} steps", session.training().step())?;
     }
     if args.tensorboard {
         session = session.with_events().map_err(|error| explain(error, &folder))?;
@@ -151,7 +152,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     report(&session, &folder, &args.task)?;
     if ended == Ended::Interrupted {
         let again = format!("the same command with `--out {}` resumes", folder.display());
-        writeln!(io::stderr(), "interrupted after {} of {steps} steps; {again}", session.training().step())?;
+        writeln!(terminal::notes(), "interrupted after {} of {steps} steps; {again}", session.training().step())?;
         return Ok(interrupt.code());
     }
     Ok(ExitCode::SUCCESS)
@@ -203,7 +204,7 @@ fn steps_within(
     let of_evaluations = begin.elapsed().as_secs_f64() / settings.evaluate_every as f64;
     let steps = (budget.as_secs_f64() / (of_step + of_evaluations)) as u64;
     let rounded = if steps > 10_000 { steps / 1000 * 1000 } else { steps };
-    writeln!(io::stderr(), "{:.0} steps/s: {rounded} steps within the budget", 1.0 / (of_step + of_evaluations))?;
+    writeln!(terminal::notes(), "{:.0} steps/s: {rounded} steps within the budget", 1.0 / (of_step + of_evaluations))?;
     Ok(Some(rounded.clamp(1, 1_000_000_000_000)))
 }
 
@@ -232,7 +233,7 @@ fn replay_note(size: &ReplaySize) -> String {
 
 /// Prints the best agents.
 fn report(session: &Session, folder: &Path, task: &str) -> Result<(), Error> {
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     let kinds = [("by success", BEST_BY_SUCCESS), ("by return", BEST_BY_RETURN)];
     for ((what, name), best) in kinds.into_iter().zip(session.best()) {
         if let Some(best) = best {
@@ -279,7 +280,7 @@ impl Observer for Shown {
     fn evaluated(&mut self, step: u64, evaluation: &Evaluation) {
         // Nothing is left to be done when standard error itself cannot be written.
         self.bar.suspend(|| {
-            let _ = writeln!(io::stderr(), "{step:>10} steps: {}", described(evaluation));
+            let _ = writeln!(terminal::notes(), "{step:>10} steps: {}", described(evaluation));
         });
     }
 }

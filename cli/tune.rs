@@ -6,16 +6,18 @@ use self::learner::Wanted;
 use crate::condition::Condition;
 use crate::error::{Error, FAILURE};
 use crate::interrupt::Interrupt;
+use crate::numbers::within;
 use crate::overlays::Overlays;
 use crate::policies::Limits;
 use crate::progress;
 use crate::project::{Project, Settings as Parameters};
+use crate::terminal;
 use indicatif::ProgressBar;
-use msk::compiler::numbers::{beside, for_people};
+use msk::compiler::numbers::{beside, fixed, for_people};
 use msk::evaluate::EpisodeRecord;
 use msk::tuning::reasoner::{Reasoner, RuleBook, from_file};
 use msk::tuning::session::{Ended, KeptRules, Objective, OnFailure, Round, Session, Settings, Watcher};
-use std::io::{self, Write};
+use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -65,10 +67,10 @@ pub struct Args {
     #[arg(long, value_name = "STEPS")]
     steps: Option<u64>,
     /// Largest relative change of a weight in one round
-    #[arg(long, default_value_t = 0.2, value_name = "PART")]
+    #[arg(long, default_value_t = 0.2, value_name = "PART", value_parser = within(1e-6, 1.0))]
     step: f64,
     /// Keep the sum of the absolute values of all weights in scope at this number; they are scaled to it first
-    #[arg(long)]
+    #[arg(long, value_name = "SUM", value_parser = within(1e-6, 1e12))]
     norm: Option<f64>,
     /// The terms that are tuned and part of the norm: all, or only those of a running episode, without the cost of
     /// termination
@@ -194,7 +196,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 /// Prints the result.
 fn finish(session: &Session, ended: Ended, interrupt: &Interrupt) -> Result<ExitCode, Error> {
     let folder = session.folder().display();
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     for round in session.rounds() {
         writeln!(out, "{}", line(round))?;
     }
@@ -206,13 +208,13 @@ fn finish(session: &Session, ended: Ended, interrupt: &Interrupt) -> Result<Exit
     match ended {
         Ended::Budget => Ok(ExitCode::SUCCESS),
         Ended::Interrupted => {
-            writeln!(io::stderr(), "interrupted; the same command with `--out {folder}` resumes")?;
+            writeln!(terminal::notes(), "interrupted; the same command with `--out {folder}` resumes")?;
             Ok(interrupt.code())
         }
         Ended::Failed => {
             let why = session.rounds().last().and_then(|round| round.rejected.clone()).unwrap_or_default();
             writeln!(
-                io::stderr(),
+                terminal::notes(),
                 "error: {why}\n  hint: the same command with `--out {folder}` resumes, with --on-failure keep also after failures"
             )?;
             Ok(ExitCode::from(FAILURE))
@@ -224,11 +226,11 @@ fn finish(session: &Session, ended: Ended, interrupt: &Interrupt) -> Result<Exit
 fn line(round: &Round) -> String {
     let statistics = &round.statistics;
     let head = format!(
-        "round {}: score {}, {} episodes, {:.0} % succeeded",
+        "round {}: score {}, {} episodes, {} % succeeded",
         round.round,
         for_people(round.score),
         statistics.episodes,
-        100.0 * statistics.success_rate
+        fixed(100.0 * statistics.success_rate, 0)
     );
     let changes = match (&round.rejected, &round.applied) {
         (Some(why), _) => format!("weights stay: {}", why.lines().next().unwrap_or_default()),
@@ -248,7 +250,7 @@ fn line(round: &Round) -> String {
 
 fn print(message: &str) {
     // Nothing is left to be done when standard error itself cannot be written.
-    let _ = writeln!(io::stderr(), "{message}");
+    let _ = writeln!(terminal::notes(), "{message}");
 }
 
 /// A line that shows how far the round is. Silent unless on a terminal.

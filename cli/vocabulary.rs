@@ -1,14 +1,15 @@
 //! `msk vocabulary`: everything that a task may name.
 
 use crate::error::{Context, Error};
-use crate::project;
+use crate::terminal;
 use msk::compiler::check::scene::elements;
 use msk::compiler::compile;
+use msk::compiler::numbers::fixed;
 use msk::compiler::signals;
 use msk::compiler::vocabulary::{GroupKind, Vocabulary};
 use msk::runtime::bodies;
 use msk::runtime::library::{BodyLibrary, FileLoader};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -29,7 +30,7 @@ pub struct Args {
 /// An unknown body, or one that does not fit its model.
 pub fn run(args: Args) -> Result<ExitCode, Error> {
     let vocabulary = vocabulary(&args.body)?;
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     if args.json {
         let scene = serde_json::json!({ "elements": elements::KINDS, "joints": elements::JOINTS, "fields": elements::FIELDS });
         let all = serde_json::json!({ "signals": signals::SIGNALS, "scene": scene, "body": vocabulary });
@@ -49,8 +50,7 @@ fn vocabulary(name: &str) -> Result<Vocabulary, Error> {
         _ => here,
     };
     let library = BodyLibrary::default();
-    let compilation =
-        compile(&path, &FileLoader, &library).map_err(|report| Error::rendered(report.render(project::style(&io::stderr()))))?;
+    let compilation = compile(&path, &FileLoader, &library).map_err(|report| Error::rendered(&report))?;
     let description = compilation.bodies.first().ok_or_else(|| Error::new(format!("`{}` contains no body", path.display())))?;
     let bound = library.bind(description).context(|| format!("cannot use `{}`", path.display()))?;
     Ok(bound.body.vocabulary(&bound.model))
@@ -58,10 +58,10 @@ fn vocabulary(name: &str) -> Result<Vocabulary, Error> {
 
 /// The names on a body, kind by kind.
 fn parts(vocabulary: &Vocabulary) -> String {
-    let mut text = format!("Body `{}`, {:.2} kg\n", vocabulary.body, vocabulary.mass);
+    let mut text = format!("Body `{}`, {} kg\n", vocabulary.body, fixed(vocabulary.mass, 2));
     text += "\nLandmarks\n";
     for landmark in &vocabulary.landmarks {
-        text += &format!("    {:<26} {:.3} m  {}\n", landmark.name, landmark.neutral_position[2], landmark.description);
+        text += &format!("    {:<26} {} m  {}\n", landmark.name, fixed(landmark.neutral_position[2], 3), landmark.description);
     }
     let joints = vocabulary.joints.iter().map(|joint| joint.name.as_str());
     text += &paragraph("Joints", joints);

@@ -8,21 +8,22 @@ use std::fmt::Write;
 use std::fs;
 
 /// Each crate of the workspace with all crates of the workspace that it may name, dependencies of its tests aside.
-const ALLOWED: [(&str, &[&str]); 17] = [
+const ALLOWED: [(&str, &[&str]); 18] = [
+    ("msk-text", &[]),
     ("msk-storage", &[]),
-    ("msk-physics", &["msk-storage"]),
-    ("msk-program", &[]),
+    ("msk-physics", &["msk-storage", "msk-text"]),
+    ("msk-program", &["msk-text"]),
     ("msk-compiler", &["msk-program"]),
     ("msk-network", &[]),
-    ("msk-settings", &[]),
+    ("msk-settings", &["msk-text"]),
     ("msk-runtime", &["msk-physics", "msk-program", "msk-storage"]),
     ("msk-plan", &["msk-physics", "msk-program", "msk-runtime", "msk-settings", "msk-storage"]),
     ("msk-train", &["msk-network", "msk-program", "msk-runtime", "msk-settings", "msk-storage"]),
-    ("msk-evaluate", &["msk-compiler", "msk-physics", "msk-program", "msk-runtime", "msk-storage"]),
+    ("msk-evaluate", &["msk-compiler", "msk-physics", "msk-program", "msk-runtime", "msk-storage", "msk-text"]),
     ("msk-export", &["msk-physics", "msk-program", "msk-runtime"]),
-    ("msk-draw", &["msk-physics", "msk-program", "msk-runtime"]),
+    ("msk-draw", &["msk-physics", "msk-program", "msk-runtime", "msk-text"]),
     ("msk-view", &["msk-physics", "msk-program", "msk-runtime"]),
-    ("msk-tuning", &["msk-compiler", "msk-evaluate", "msk-physics", "msk-runtime", "msk-storage"]),
+    ("msk-tuning", &["msk-compiler", "msk-evaluate", "msk-physics", "msk-runtime", "msk-storage", "msk-text"]),
     ("msk-lsp", &["msk-compiler"]),
     ("msk-mcp", &["msk-compiler", "msk-evaluate", "msk-physics", "msk-runtime", "msk-storage", "msk-tuning"]),
     (
@@ -38,6 +39,7 @@ const ALLOWED: [(&str, &[&str]); 17] = [
             "msk-plan",
             "msk-runtime",
             "msk-storage",
+            "msk-text",
             "msk-train",
             "msk-tuning",
             "msk-view",
@@ -106,4 +108,40 @@ fn the_picture_of_the_crates_is_that_of_the_manifests() {
         fs::write(&path, &page).unwrap();
     }
     assert_eq!(fs::read_to_string(&path).unwrap_or_default(), page, "MSK_UPDATE=1 writes the page anew");
+}
+
+/// Clippy reads the nearest of its files alone: a second one, in the folder of a crate, would let through what it does not repeat.
+#[test]
+fn one_file_of_clippy_rules_every_crate() {
+    let folders = crates().into_iter().map(|(folder, _)| folder).chain(["python", "fuzz"].map(String::from));
+    let has = |folder: &str| ["clippy.toml", ".clippy.toml"].into_iter().any(|name| repository(folder).join(name).exists());
+    let found: Vec<String> = folders.flat_map(|folder| above(&folder)).filter(|folder| has(folder)).collect();
+    assert!(found.iter().all(|folder| folder == "."), "a second file of rules in {found:?}");
+    assert!(has("."), "no rules at all");
+}
+
+/// A folder of the repository and those above it, from which its rules may come.
+fn above(folder: &str) -> Vec<String> {
+    let parts: Vec<&str> = folder.split('/').collect();
+    (1..=parts.len()).map(|count| parts[..count].join("/")).chain([".".to_owned()]).collect()
+}
+
+/// The workspace allows what clippy's file rejects, for tests and examples. Every library and the program choose anew.
+#[test]
+fn every_crate_heeds_the_rules_or_says_why_not() {
+    for (folder, _) in crates() {
+        let roots = if folder == "." {
+            vec!["cli/lib.rs".to_owned(), "cli/main.rs".to_owned()]
+        } else {
+            vec![format!("{folder}/src/lib.rs")]
+        };
+        for root in roots {
+            let text = fs::read_to_string(repository(&root)).unwrap();
+            let heeds = text.contains("#![cfg_attr(not(test), warn(clippy::disallowed_methods))]");
+            assert!(
+                heeds || text.contains("#![allow(clippy::disallowed_methods, reason = "),
+                "`{root}` does not warn of disallowed methods"
+            );
+        }
+    }
 }

@@ -16,6 +16,7 @@ use crate::overlays::Overlays;
 use crate::policies::Limits;
 use crate::progress::Progress;
 use crate::project::{Project, Settings};
+use crate::terminal;
 use crate::trace::TraceArgs;
 use msk::evaluate::{self, Extras, Plan, Resumed, RunSettings, Shard, Summary, report};
 use msk::runtime::policy::PolicySource;
@@ -142,7 +143,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         None => folder::fresh(&folder::name(first, &args.file, &format!("{} policies", names.len())))?,
     };
     let interrupt = Interrupt::listen()?;
-    writeln!(io::stderr(), "{}", chosen.heading(first, &names))?;
+    writeln!(terminal::notes(), "{}", chosen.heading(first, &names))?;
     let evaluation = Evaluation { args: &args, interrupt: &interrupt, live: live.as_ref() };
     if let (false, [plan]) = (args.sweep.is_empty(), plans.as_slice()) {
         return evaluation.sweep(plan, &chosen.sweep, &folder);
@@ -172,7 +173,7 @@ impl Evaluation<'_> {
         let (journal, resumed) = Resumed::open(folder, plan, &settings).map_err(explain)?;
         if resumed.episodes() > 0 {
             let (there, all) = (resumed.episodes(), plan.episodes());
-            writeln!(io::stderr(), "resuming `{}`: {there} of {all} episodes exist", folder.display())?;
+            writeln!(terminal::notes(), "resuming `{}`: {there} of {all} episodes exist", folder.display())?;
         }
         let asked = self.args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
         let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
@@ -199,7 +200,7 @@ impl Evaluation<'_> {
         let mut summaries = Vec::new();
         for (number, plan) in plans.iter().enumerate() {
             let own = output::subfolder(folder, &format!("{}-{}", number + 1, folder::in_path(plan.policy.name())))?;
-            writeln!(io::stderr(), "\npolicy {}", plan.policy.name())?;
+            writeln!(terminal::notes(), "\npolicy {}", plan.policy.name())?;
             let (summary, interrupted) = self.one(plan, &own)?;
             summaries.push(summary);
             if interrupted {
@@ -217,7 +218,7 @@ impl Evaluation<'_> {
         let done: u64 = summaries.iter().flat_map(|summary| &summary.tasks).map(|task| task.episodes).sum();
         let again = format!("the same command with `--out {}` resumes", folder.display());
         // The terminal may be what has gone; the results are in their folder.
-        let _ = writeln!(io::stderr(), "interrupted after {done} of {all} episodes; {again}");
+        let _ = writeln!(terminal::notes(), "interrupted after {done} of {all} episodes; {again}");
         self.interrupt.code()
     }
 }
@@ -235,7 +236,7 @@ fn acted(summaries: &[Summary]) -> Result<ExitCode, Error> {
 
 /// The final output: one table, and the paths of the results.
 fn print(table: &str, folder: &Path, rest: &str) -> io::Result<()> {
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     write!(out, "\n{table}")?;
     writeln!(out, "Results: {}", folder.display())?;
     writeln!(out, "         {rest}")

@@ -3,11 +3,12 @@
 use super::explain;
 use crate::error::Error;
 use crate::html::{self, Film};
+use crate::terminal;
 use msk::evaluate::{EpisodeRecord, Journal, Plan, RunSettings, Trial, play_watched};
 use msk::runtime::episode::{Ending, Environment, EpisodeKey};
 use msk::view::render::{Colouring, Options, Renderer, Strip, Theme, View, film_strip};
 use msk::view::{Caption, page};
-use std::io::{self, Write};
+use std::io::Write;
 use std::sync::atomic::AtomicBool;
 
 /// Moments of a strip.
@@ -73,7 +74,7 @@ pub fn write([html, strip]: [&[Which]; 2], plan: &Plan, journal: &Journal, stop:
             let Some(played) = played else { return Ok(()) };
             if !played.same_as(record) {
                 let (task, number) = (&record.task, record.episode);
-                writeln!(io::stderr(), "episode {number} of {task} went another way when it was played again for its page")?;
+                writeln!(terminal::notes(), "episode {number} of {task} went another way when it was played again for its page")?;
             }
             if let Some(picture) = frames.picture()? {
                 journal.write(&format!("{}-{}.png", trial.task.name, which.name()), picture).map_err(explain)?;

@@ -3,12 +3,13 @@
 use super::Evaluation;
 use crate::error::{Context, Error};
 use crate::output;
+use crate::terminal;
 use clap::builder::PossibleValue;
 use msk::evaluate::sweep::{Axis, NORMALIZING, Sweep, SweepProtocol, markdown, normalization, perturbed};
 use msk::evaluate::{Plan, Protocol, Summary};
 use msk::runtime::perturbation::Normalization;
 use msk_storage::Folder;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -69,7 +70,7 @@ impl Evaluation<'_> {
         axes.dedup();
         let episodes = self.args.episodes.unwrap_or(protocol.episodes.into());
         let plan = Plan { protocol: Protocol { episodes, ..plan.protocol }, ..plan.clone() };
-        writeln!(io::stderr(), "\nunperturbed, {episodes} episodes of each task")?;
+        writeln!(terminal::notes(), "\nunperturbed, {episodes} episodes of each task")?;
         let (unperturbed, interrupted) = self.one(&plan, &output::subfolder(folder, UNPERTURBED)?)?;
         let grown: usize = axes.iter().map(|axis| protocol.scales(*axis).len() - 1).sum();
         let all = plan.episodes() * (1 + grown as u64);
@@ -85,7 +86,7 @@ impl Evaluation<'_> {
         for axis in axes {
             let mut scales = vec![(0.0, unperturbed.clone())];
             for scale in protocol.scales(axis).into_iter().filter(|scale| *scale > 0.0) {
-                writeln!(io::stderr(), "\n{} {scale}", axis.name())?;
+                writeln!(terminal::notes(), "\n{} {scale}", axis.name())?;
                 let trials = perturbed(&plan.trials, axis, scale, &normalizations);
                 let point = Plan { trials, ..plan.clone() };
                 let (summary, interrupted) =
@@ -126,7 +127,7 @@ impl Evaluation<'_> {
                 _ if task.skipped.is_some() => Normalization::default(),
                 Some(known) => known,
                 None => {
-                    writeln!(io::stderr(), "{}: deviations of observations over {NORMALIZING} episodes", trial.task.name)?;
+                    writeln!(terminal::notes(), "{}: deviations of observations over {NORMALIZING} episodes", trial.task.name)?;
                     let counted = (plan.protocol.seed, plan.protocol.episodes);
                     let made = normalization(trial, &plan.policy, counted, self.interrupt.stop())?;
                     let Some(made) = made else { return Ok(None) };

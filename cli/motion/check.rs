@@ -2,11 +2,12 @@
 
 use super::Start;
 use crate::error::{Error, FAILURE};
-use crate::numbers::not_negative;
-use msk::compiler::numbers::for_people;
+use crate::numbers::within;
+use crate::terminal;
+use msk::compiler::numbers::{exact, fixed, for_people};
 use msk::runtime::inspect::{MotionLimits, MotionReport, inspect_motion};
 use std::fmt::Write as _;
-use std::io::{self, Write};
+use std::io::Write;
 use std::process::ExitCode;
 
 /// Measure a motion on a body: ranges, couplings, feet on the ground, the seam of a cycle, left against right
@@ -15,7 +16,7 @@ pub struct Args {
     #[command(flatten)]
     start: Start,
     /// How far a standing foot may slide, mm
-    #[arg(long, value_name = "MM", default_value_t = 20.0, value_parser = not_negative)]
+    #[arg(long, value_name = "MM", default_value_t = 20.0, value_parser = within(0.0, 1e6))]
     sliding: f64,
     /// Print JSON, in metres, seconds and radians
     #[arg(long)]
@@ -32,7 +33,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let limits = MotionLimits { sliding: args.sliding / 1e3, ..MotionLimits::default() };
     let faults = report.faults(&limits);
     let text = if args.json { serde_json::to_string(&report)? + "\n" } else { readable(&report, &limits, &faults) };
-    io::stdout().lock().write_all(text.as_bytes())?;
+    terminal::out().write_all(text.as_bytes())?;
     Ok(if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) })
 }
 
@@ -62,21 +63,22 @@ fn readable(report: &MotionReport, limits: &MotionLimits, faults: &[String]) -> 
         );
     }
     for foot in &report.feet {
-        let millimetres = |value: f64| format!("{:.1}", 1e3 * value);
-        let (stance, deep, slides) = (100.0 * foot.stance, millimetres(foot.penetration), millimetres(foot.sliding));
-        let _ = writeln!(out, "{:<24} {stance:>6.0} % {deep:>13} {slides:>12} {:>14}", foot.name, millimetres(foot.clearance));
+        let millimetres = |value: f64| fixed(1e3 * value, 1);
+        let (stance, deep, slides) = (fixed(100.0 * foot.stance, 0), millimetres(foot.penetration), millimetres(foot.sliding));
+        let _ = writeln!(out, "{:<24} {stance:>6} % {deep:>13} {slides:>12} {:>14}", foot.name, millimetres(foot.clearance));
     }
-    let (deep, slides) = (1e3 * limits.penetration, 1e3 * limits.sliding);
+    let (deep, slides) = (exact(1e3 * limits.penetration), exact(1e3 * limits.sliding));
     let _ = writeln!(
         out,
         "\nlimits: feet {deep} mm penetration, sliding {slides} mm; joints within their ranges, coupled joints on their couplings"
     );
     if let Some(seam) = report.seam {
-        let _ = writeln!(out, "seam: the sharpest bend there is {seam:.2} of the sharpest elsewhere");
+        let _ = writeln!(out, "seam: the sharpest bend there is {} of the sharpest elsewhere", fixed(seam, 2));
     }
     if let Some((difference, later)) = report.sides {
         let when = if later { "half a cycle later" } else { "at the same time" };
-        let _ = writeln!(out, "sides: the left side equals the right side {when}, within {:.2} deg", difference.to_degrees());
+        let _ =
+            writeln!(out, "sides: the left side equals the right side {when}, within {} deg", fixed(difference.to_degrees(), 2));
     }
     for fault in faults {
         let _ = writeln!(out, "wrong: {fault}");

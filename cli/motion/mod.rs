@@ -6,12 +6,10 @@ mod view;
 
 use crate::draw::describe;
 use crate::error::{Context, Error};
-use crate::project::style;
 use msk::compiler::diagnostics::{Report, SourceMap};
 use msk::compiler::files::{LoadError, Loader};
 use msk::compiler::motion::{self, Motion};
 use msk::runtime::library::{BodyLibrary, BoundBody, FileLoader};
-use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -62,8 +60,7 @@ impl Start {
         })?;
         let mut sources = SourceMap::default();
         let file = sources.add(self.file.display().to_string(), text);
-        let refused =
-            |sources: SourceMap, diagnostics| Error::rendered(Report::new(sources, diagnostics).render(style(&io::stderr())));
+        let refused = |sources: SourceMap, diagnostics| Error::rendered(&Report::new(sources, diagnostics));
         let motion = match motion::read(file, sources.text(file)) {
             Ok(motion) => motion,
             Err(problems) => return Err(refused(sources, problems)),

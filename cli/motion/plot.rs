@@ -3,8 +3,9 @@
 use super::Start;
 use crate::error::Error;
 use crate::output;
+use crate::terminal;
 use msk::draw::motion;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -30,7 +31,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let picture = motion::svg(&bound.model, &bound.body, &table, usize::from(args.bodies));
     match &args.out {
         Some(path) => output::write(path, picture)?,
-        None => io::stdout().lock().write_all(picture.as_bytes())?,
+        None => terminal::bytes().write_all(picture.as_bytes())?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -3,6 +3,7 @@
 use super::Start;
 use crate::error::Error;
 use crate::html;
+use msk::compiler::numbers::fixed;
 use msk::physics::scalar::Real;
 use msk::physics::{self, State, Workspace};
 use msk::runtime::body::sensors::Snapshot;
@@ -45,7 +46,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         recorder.get_or_insert_with(|| Recorder::of(&snapshot, &[], 1.0 / FREQUENCY)).look_at(frame, &snapshot);
     }
     let kind = if motion.cycle { "cycle" } else { "motion" };
-    let outcome = format!("{kind} of {:.2} s", motion.duration);
+    let outcome = format!("{kind} of {} s", fixed(motion.duration, 2));
     let caption = Caption { task: motion.name.clone(), outcome, ..Caption::default() };
     if let Some(recorder) = recorder {
         html::write(&args.out, &motion.name, &[recorder.recording(caption)?])?;

@@ -3,7 +3,8 @@
 mod scaffold;
 
 use crate::error::{Context, Error};
-use crate::project::{self, style};
+use crate::project;
+use crate::terminal;
 use msk::compiler::compile;
 use msk::compiler::diagnostics::{FileId, Report};
 use msk::compiler::files::{LoadError, Loader};
@@ -14,7 +15,7 @@ use msk::runtime::bodies;
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use scaffold::scaffold;
 use std::fs::OpenOptions;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -97,8 +98,7 @@ fn new_task(args: &TaskArgs) -> Result<ExitCode, Error> {
 fn write(path: &Path, text: &str, next: &[(&str, &str)]) -> Result<ExitCode, Error> {
     // A word of the language is no name either: the compiler knows which.
     if let Err(report) = compile(path, &Pending { path, text }, &BodyLibrary::default()) {
-        let rendered = report.render(style(&io::stderr()));
-        return Err(Error::rendered(format!("{rendered}error: nothing was written, since it would not compile\n")));
+        return Err(Error::rendered_then(&report, "nothing was written, since it would not compile"));
     }
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).context(|| format!("cannot create the folder `{}`", folder.display()))?;
@@ -106,7 +106,7 @@ fn write(path: &Path, text: &str, next: &[(&str, &str)]) -> Result<ExitCode, Err
     let cannot = || format!("`{}` cannot be written; existing files are never replaced", path.display());
     let mut file = OpenOptions::new().write(true).create_new(true).open(path).context(cannot)?;
     file.write_all(text.as_bytes()).context(cannot)?;
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     writeln!(out, "Created {}. Next:", path.display())?;
     for (command, purpose) in next {
         writeln!(out, "  msk {command:<8} {:<24} {purpose}", path.display())?;
@@ -143,8 +143,7 @@ fn extension(name: &str, from: &str, path: &Path) -> Result<String, Error> {
 /// The file in which a task stands.
 fn home(named: &str, task: &CompiledTask) -> Result<PathBuf, Error> {
     let (file, _) = project::named(named)?;
-    let compilation = compile(file, &FileLoader, &BodyLibrary::default())
-        .map_err(|report: Report| Error::rendered(report.render(style(&io::stderr()))))?;
+    let compilation = compile(file, &FileLoader, &BodyLibrary::default()).map_err(|report: Report| Error::rendered(&report))?;
     let sources = &compilation.sources;
     let holds = |item: &Item| matches!(item, Item::Task(known) if known.name.text == task.name);
     let found = sources.files().find(|&source| syntax::parse(source, sources.text(source)).tree.items.iter().any(holds));

@@ -1,6 +1,8 @@
 //! `msk physics bench`: how fast the simulator is.
 
 use crate::error::Error;
+use crate::numbers::within;
+use crate::terminal;
 use msk_physics::model::ElasticTendons;
 use msk_runtime::{
     bench::{self, Protocol, Report, Settings},
@@ -20,7 +22,7 @@ pub struct Args {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
     /// Wall-clock time to measure
-    #[arg(long, default_value_t = 5.0, value_parser = seconds)]
+    #[arg(long, default_value_t = 5.0, value_parser = within(0.0, LONGEST))]
     seconds: f64,
     /// What the body does
     #[arg(long, value_enum, default_value_t = Activity::Falling)]
@@ -38,11 +40,6 @@ pub struct Args {
 
 /// More is no measurement, and may be more than a clock counts to.
 const LONGEST: f64 = 86_400.0;
-
-fn seconds(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|seconds: &f64| *seconds >= 0.0 && *seconds <= LONGEST);
-    seconds.ok_or_else(|| format!("`{text}` is not a number of seconds from 0 to {LONGEST}"))
-}
 
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Activity {
@@ -69,7 +66,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let settings = Settings { protocol, seconds: args.seconds, threads: usize::from(args.threads), seed: args.seed };
     let report = bench::run(&model, &settings);
     let text = if args.json { serde_json::to_string_pretty(&report)? + "\n" } else { readable(&report) };
-    std::io::stdout().write_all(text.as_bytes())?;
+    terminal::out().write_all(text.as_bytes())?;
     Ok(ExitCode::SUCCESS)
 }
 

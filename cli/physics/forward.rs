@@ -2,6 +2,7 @@
 
 use super::Start;
 use crate::error::Error;
+use crate::terminal;
 use msk_physics::{self as physics, Workspace};
 use msk_runtime::inspect::{Extra, forward_report};
 use std::io::{self, BufWriter, Write};
@@ -29,7 +30,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let mut workspace = Workspace::new(&model);
     physics::forward(&model, &state, &mut workspace)?;
     let extra = Extra { moment_arms: args.moment_arms, constraint_jacobian: args.constraint_jacobian };
-    let mut out = BufWriter::new(io::stdout().lock());
+    let mut out = BufWriter::new(terminal::out());
     serde_json::to_writer(&mut out, &forward_report(&model, &state, &workspace, extra)).map_err(io::Error::from)?;
     out.write_all(b"\n")?;
     out.flush()?;

@@ -2,7 +2,10 @@
 
 use crate::error::Error;
 use crate::output;
+use crate::terminal;
+use msk::compiler::numbers::fixed;
 use msk_physics::model::{Model, import};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -25,13 +28,14 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let model = import::import(Model::from_file(&args.model)?);
     let text = import::to_file_text(&model, &args.model);
     output::write(&args.out, text)?;
-    eprintln!(
-        "{}: {} bodies, {} joints, {} muscles, {:.2} kg",
+    writeln!(
+        terminal::notes(),
+        "{}: {} bodies, {} joints, {} muscles, {} kg",
         args.out.display(),
         model.bodies.name.len() - 1,
         model.joints.name.len(),
         model.actuators.name.len(),
-        model.bodies.subtree_mass[0]
-    );
+        fixed(model.bodies.subtree_mass[0], 2)
+    )?;
     Ok(ExitCode::SUCCESS)
 }

@@ -3,10 +3,12 @@
 use super::Start;
 use crate::error::Error;
 use crate::output;
+use crate::terminal;
 use core::fmt::Write as _;
+use msk::compiler::numbers::fixed;
 use msk_draw::chart::{self, Band, Chart, Panel};
 use msk_runtime::inspect::{MuscleSweep, Sample, sweep_muscle};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -45,7 +47,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         output::write(path, chart::svg(&picture(&sweep)))?;
     }
     let text = if args.json { serde_json::to_string(&sweep)? + "\n" } else { readable(&sweep) };
-    io::stdout().lock().write_all(text.as_bytes())?;
+    terminal::out().write_all(text.as_bytes())?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -68,41 +70,42 @@ fn readable(sweep: &MuscleSweep) -> String {
     }
     let _ = writeln!(
         out,
-        "peak force {:.0} N, optimal fibre {:.1} mm, tendon slack {:.1} mm; fibre over the sweep {:.2}..{:.2} optimal lengths",
-        sweep.peak_force,
-        1e3 * sweep.optimal_fibre_length,
-        1e3 * sweep.tendon_slack_length,
-        sweep.fibre_range[0],
-        sweep.fibre_range[1],
+        "peak force {} N, optimal fibre {} mm, tendon slack {} mm; fibre over the sweep {}..{} optimal lengths",
+        fixed(sweep.peak_force, 0),
+        fixed(1e3 * sweep.optimal_fibre_length, 1),
+        fixed(1e3 * sweep.tendon_slack_length, 1),
+        fixed(sweep.fibre_range[0], 2),
+        fixed(sweep.fibre_range[1], 2),
     );
     if sweep.stretching_length > sweep.tendon_slack_length {
         let _ = writeln!(
             out,
-            "the operating range leaves {} tendon: with `tendons elastic` {:.1} mm of the path would be elastic",
+            "the operating range leaves {} tendon: with `tendons elastic` {} mm of the path would be elastic",
             if sweep.tendon_slack_length > 0.0 { "little" } else { "no" },
-            1e3 * sweep.stretching_length,
+            fixed(1e3 * sweep.stretching_length, 1),
         );
     }
     let _ = writeln!(out, "\npath at the start (world frame, m; length from the previous point, mm)");
     let width = sweep.path.iter().map(|point| point.at.chars().count()).max().unwrap_or(0);
     for point in &sweep.path {
-        let [x, y, z] = point.position;
-        let (kind, at, length, body) = (point.kind, &point.at, 1e3 * point.length, &point.body);
-        let _ = writeln!(out, "  {kind:<5} {at:<width$} {x:9.4} {y:9.4} {z:9.4} {length:9.2}  on {body}");
+        let [x, y, z] = point.position.map(|coordinate| fixed(coordinate, 4));
+        let (kind, at, length, body) = (point.kind, &point.at, fixed(1e3 * point.length, 2), &point.body);
+        let _ = writeln!(out, "  {kind:<5} {at:<width$} {x:>9} {y:>9} {z:>9} {length:>9}  on {body}");
     }
     let ((turn, degree), (scale, unit)) = (coordinate(sweep), arm(sweep));
     let _ = writeln!(out, "\n{:>9} {:>11} {:>15} {:>10}  wraps (arc, mm)", degree, "length, mm", format!("arm, {unit}"), "fibre");
     for sample in &sweep.samples {
         let Sample { coordinate, length, moment_arm, fibre, .. } = sample;
-        let (at, length, arm) = (turn * coordinate, 1e3 * length, scale * moment_arm);
-        let _ = writeln!(out, "{at:9.2} {length:11.3} {arm:15.3} {fibre:10.3}  {}", wraps(sample));
+        let (at, length, arm) = (fixed(turn * coordinate, 2), fixed(1e3 * length, 3), fixed(scale * moment_arm, 3));
+        let fibre = fixed(*fibre, 3);
+        let _ = writeln!(out, "{at:>9} {length:>11} {arm:>15} {fibre:>10}  {}", wraps(sample));
     }
     out
 }
 
 fn wraps(sample: &Sample) -> String {
     let touched = sample.wraps.iter().filter(|wrap| wrap.touches);
-    let words: Vec<String> = touched.map(|wrap| format!("{} {:.2}", wrap.geom, 1e3 * wrap.arc)).collect();
+    let words: Vec<String> = touched.map(|wrap| format!("{} {}", wrap.geom, fixed(1e3 * wrap.arc, 2))).collect();
     if words.is_empty() && !sample.wraps.is_empty() { "none".into() } else { words.join(", ") }
 }
 

@@ -3,14 +3,14 @@
 use super::read::Source;
 use super::{Grid, Section};
 use crate::error::Error;
-use crate::trace;
+use crate::terminal;
 use crate::trace::emg::{HEAD, Human, picture, rows};
 use msk::compiler::numbers::for_people;
 use msk::draw::heat;
 use msk::draw::stack::{self, Stack};
 use msk::evaluate::metrics::similarity::{Similarity, mean_correlation};
 use msk::evaluate::trace::{Origin, Quantity, Trace};
-use std::io::{self, Write};
+use std::io::Write;
 
 /// Reward terms in a picture; the others are one.
 const MOST_TERMS: usize = 11;
@@ -37,19 +37,18 @@ pub type Recorded = (Option<String>, Human);
 pub fn sections(sources: &[Source], recorded: &[Recorded]) -> Result<(Vec<Section>, Vec<Compared>), Error> {
     let (mut all, mut compared) = (Vec::new(), Vec::new());
     for source in sources {
-        for path in &source.traces {
-            let trace = trace::read(path)?;
-            all.push(section(&source.label, &trace));
+        for trace in &source.traces {
+            all.push(section(&source.label, trace));
             let Origin { task, episode, policy, .. } = &trace.origin;
             let of = |wanted: Option<&str>| recorded.iter().find(|(task, _)| task.as_deref() == wanted);
             let Some((_, human)) = of(Some(task)).or_else(|| of(None)) else { continue };
-            match human.compare(&trace) {
+            match human.compare(trace) {
                 Ok(found) => {
-                    all.push(envelopes(&source.label, &trace, &found));
+                    all.push(envelopes(&source.label, trace, &found));
                     compared.push(Compared { policy: policy.clone(), task: task.clone(), found });
                 }
                 Err(error) => {
-                    writeln!(io::stderr(), "episode {episode} of {task} is not compared with electromyograms: {error}")?
+                    writeln!(terminal::notes(), "episode {episode} of {task} is not compared with electromyograms: {error}")?
                 }
             }
         }

@@ -11,8 +11,10 @@ mod strips;
 
 use crate::error::Error;
 use crate::output;
+use crate::terminal;
 use crate::trace::emg::{Human, pair};
-use std::io::{self, Write};
+use msk_text::in_one_line;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -71,6 +73,15 @@ pub struct Section {
     pub figures: Vec<String>,
 }
 
+impl Section {
+    /// The same part with every text in one line, whatever the files hold from which it comes.
+    fn in_lines(mut self) -> Self {
+        let cells = self.table.iter_mut().flat_map(|grid| grid.head.iter_mut().chain(grid.rows.iter_mut().flatten()));
+        cells.chain([&mut self.title, &mut self.words]).for_each(|text| *text = in_one_line(text));
+        self
+    }
+}
+
 /// A table: the first column has names.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Grid {
@@ -94,18 +105,20 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let columns = paper::columns(&sources);
     sections.push(radars::section(&columns, &sources, &compared));
     let tables = paper::tables(&columns, &sources, &compared);
+    sections = sections.into_iter().map(Section::in_lines).collect();
+    let title = in_one_line(&args.title);
     sections.retain(|section| section.table.as_ref().is_some_and(|grid| !grid.rows.is_empty()) || !section.figures.is_empty());
     let folder = output::folder(&args.out, FOLDER)?;
     let files = [
-        ("report.html", page::html(&args.title, &sections)),
-        ("report.md", page::markdown(&args.title, &sections)),
+        ("report.html", page::html(&title, &sections)),
+        ("report.md", page::markdown(&title, &sections)),
         ("report.csv", page::csv(&sections)),
         ("report.tex", page::latex(&sections)),
         ("paper.md", paper::markdown(&tables)),
         ("paper.csv", paper::csv(&tables)),
         ("paper.tex", paper::latex(&tables)),
     ];
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     for (name, text) in files.into_iter().filter(|(_, text)| !text.is_empty()) {
         output::write_in(&folder, name, text)?;
         writeln!(out, "{}", args.out.join(name).display())?;

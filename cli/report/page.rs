@@ -3,7 +3,7 @@
 use super::{Grid, Section};
 use askama::Template;
 use core::fmt::Write;
-use msk::evaluate::report::Table;
+use msk::evaluate::report::{Table, in_markdown};
 
 /// The page, as `page.html` lays it out.
 #[derive(Template)]
@@ -21,12 +21,13 @@ pub fn html(title: &str, sections: &[Section]) -> String {
 
 /// The tables as Markdown.
 pub fn markdown(title: &str, sections: &[Section]) -> String {
-    let mut text = format!("# {title}\n");
+    let mut text = format!("# {}\n", in_markdown(title));
     for (section, grid) in tables(sections) {
         let mut table = Table::new(&grid.head.iter().map(String::as_str).collect::<Vec<_>>());
-        grid.rows.iter().for_each(|row| table.row(row.iter().map(|cell| cell.replace('|', "\\|")).collect()));
+        grid.rows.iter().for_each(|row| table.row(row.clone()));
+        let [title, words] = [&section.title, &section.words].map(|text| in_markdown(text));
         // Writing to a string cannot fail.
-        let _ = write!(text, "\n## {}\n\n{}\n\n{}", section.title, section.words, table.markdown());
+        let _ = write!(text, "\n## {title}\n\n{words}\n\n{}", table.markdown());
     }
     text
 }
@@ -44,9 +45,12 @@ pub fn csv(sections: &[Section]) -> String {
     text
 }
 
-/// A cell of comma-separated values, in quotes where it needs them.
+/// A cell of comma-separated values, in quotes where it needs them. A text that a spreadsheet would compute as a formula, which may
+/// start programs and send what stands in other cells, has an apostrophe before it; numbers stay numbers.
 pub fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+    let is_number = cell.parse::<f64>().is_ok() || cell.chars().all(|letter| letter == '-');
+    let cell = if cell.starts_with(['=', '+', '-', '@']) && !is_number { format!("'{cell}") } else { cell.to_owned() };
+    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell }
 }
 
 /// The tables as LaTeX, with the rules of `booktabs`.
@@ -54,7 +58,7 @@ pub fn latex(sections: &[Section]) -> String {
     const PACKAGES: &str = "% Needs the packages booktabs and adjustbox.\n\n";
     let mut text = String::new();
     for (section, grid) in tables(sections) {
-        let line = |cells: &[String]| cells.iter().map(|cell| escaped(cell)).collect::<Vec<_>>().join(" & ");
+        let line = |cells: &[String]| row(&cells.iter().map(|cell| escaped(cell)).collect::<Vec<_>>());
         let columns = "r".repeat(grid.head.len().saturating_sub(1));
         // Writing to a string cannot fail.
         let _ = write!(
@@ -78,6 +82,12 @@ fn tables(sections: &[Section]) -> impl Iterator<Item = (&Section, &Grid)> {
 /// What makes a table smaller that is wider than the lines of a text, and its end.
 pub const FITTED: &str = "\\begin{adjustbox}{max width=\\linewidth}\n";
 pub const END_FITTED: &str = "\\end{adjustbox}\n";
+
+/// A row of a table. What stands first in it is no argument of the command that ends the row before.
+pub fn row(cells: &[String]) -> String {
+    let row = cells.join(" & ");
+    if row.trim_start().starts_with(['[', '*']) { format!("{{}}{row}") } else { row }
+}
 
 /// Text with the characters escaped that LaTeX takes for commands.
 pub fn escaped(text: &str) -> String {
@@ -117,6 +127,6 @@ mod tests {
         let latex = latex(&sections);
         assert!(latex.contains("open\\_door & 94 \\% <x>") && latex.contains("A \\& B. Words."), "{latex}");
         let markdown = markdown("T", &sections);
-        assert!(markdown.contains("## A & B") && markdown.contains("<x> \\| ") && !markdown.contains("Empty"), "{markdown}");
+        assert!(markdown.contains("## A & B") && markdown.contains("\\<x> \\| ") && !markdown.contains("Empty"), "{markdown}");
     }
 }

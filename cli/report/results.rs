@@ -2,7 +2,7 @@
 
 use super::read::Source;
 use super::{Grid, Section, radars, sessions};
-use msk::compiler::numbers::for_people;
+use msk::compiler::numbers::{exact, fixed, for_people};
 use msk::draw::bars::{self, Bars};
 use msk::draw::chart::{self, Chart, Panel};
 use msk::evaluate::metrics::{STANDARD, peak};
@@ -31,7 +31,7 @@ pub fn sections(sources: &[Source]) -> Vec<Section> {
 }
 
 fn percent(rate: Option<f64>) -> String {
-    rate.map_or("-".into(), |rate| format!("{:.0} %", 100.0 * rate))
+    rate.map_or("-".into(), |rate| format!("{} %", fixed(100.0 * rate, 0)))
 }
 
 fn grid(head: impl IntoIterator<Item = String>, rows: Vec<Vec<String>>) -> Option<Grid> {
@@ -53,8 +53,8 @@ fn leaderboard(evaluated: &[(&str, &Summary)]) -> Section {
     let cells = |task: &TaskSummary| match task.skipped {
         Some(_) => ["skipped".to_owned(), "-".to_owned()],
         None => {
-            let [low, high] = task.success_interval.map(|bound| format!("{:.0}", 100.0 * bound));
-            let success = task.success_rate.map_or("-".into(), |rate| format!("{:.0} % [{low}, {high}]", 100.0 * rate));
+            let [low, high] = task.success_interval.map(|bound| fixed(100.0 * bound, 0));
+            let success = task.success_rate.map_or("-".into(), |rate| format!("{} % [{low}, {high}]", fixed(100.0 * rate, 0)));
             [success, task.total.map_or("-".into(), |total| for_people(total.mean))]
         }
     };
@@ -163,7 +163,7 @@ fn recruitment(label: &str, summary: &Summary) -> Section {
     let rows = first.recruitment.iter().map(|family| {
         let cells = tasks.iter().map(|task| {
             mass(task, &family.name)
-                .map_or("-".into(), |found| format!("{} ({:.0} %)", for_people(found.mass), 100.0 * found.share))
+                .map_or("-".into(), |found| format!("{} ({} %)", for_people(found.mass), fixed(100.0 * found.share, 0)))
         });
         [family.name.clone()].into_iter().chain(cells).collect()
     });
@@ -187,14 +187,14 @@ fn recruitment(label: &str, summary: &Summary) -> Section {
 
 fn robustness(label: &str, sweep: &Sweep) -> Section {
     let head = sweep.axes.iter().flat_map(|(axis, scales)| {
-        let scales = scales.iter().map(move |scale| format!("{} {scale}", axis.name()));
+        let scales = scales.iter().map(move |scale| format!("{} {}", axis.name(), exact(*scale)));
         scales.chain([format!("{} area", axis.name())])
     });
     let all = sweep.tasks.iter().chain(&sweep.families).chain([&sweep.overall]);
     let rows = all.map(|of| {
         let curves = of.curves.iter().flat_map(|curve| {
-            let area = curve.area.map_or("-".into(), |area| format!("{area:.1}"));
-            curve.success.iter().map(|rate| rate.map_or("-".into(), |rate| format!("{:.0}", 100.0 * rate))).chain([area])
+            let area = curve.area.map_or("-".into(), |area| fixed(area, 1));
+            curve.success.iter().map(|rate| rate.map_or("-".into(), |rate| fixed(100.0 * rate, 0))).chain([area])
         });
         [of.name.clone()].into_iter().chain(curves).collect()
     });

@@ -2,7 +2,7 @@
 
 use super::read::{Played, Source};
 use super::{Grid, Section};
-use msk::compiler::numbers::for_people;
+use msk::compiler::numbers::{fixed, for_people};
 use msk::evaluate::session::Tracking;
 
 /// Sessions of direct control.
@@ -10,12 +10,13 @@ pub fn section(sources: &[Source]) -> Section {
     let row = |(label, played): (&str, &Played)| {
         let meters = |of: fn(&Tracking) -> f64| played.tracking.as_ref().map_or("-".into(), |tracking| for_people(of(tracking)));
         let diverged = played.comparison.as_ref().map_or("-".into(), |comparison| {
-            comparison
-                .diverged
-                .map_or_else(|| format!("not from {}", comparison.policy), |time| format!("{time:.2}, {}", comparison.policy))
+            comparison.diverged.map_or_else(
+                || format!("not from {}", comparison.policy),
+                |time| format!("{}, {}", fixed(time, 2), comparison.policy),
+            )
         });
         let [rmse, last, largest] = [meters(|found| found.rmse), meters(|found| found.last), meters(|found| found.largest)];
-        let duration = format!("{:.2}", played.duration);
+        let duration = fixed(played.duration, 2);
         vec![
             label.to_owned(),
             played.task.clone(),

@@ -1,10 +1,11 @@
 //! The results of `msk sensitivity` as tables and as a picture.
 
 use core::fmt::Write;
-use msk::compiler::numbers::for_people;
+use msk::compiler::numbers::{fixed, for_people};
 use msk::evaluate::Summary;
-use msk::evaluate::report::Table;
+use msk::evaluate::report::{Table, in_markdown};
 use msk::physics::scalar::Real;
+use msk_text::in_one_line;
 
 /// What a policy did under one set of weights.
 pub struct Row {
@@ -48,9 +49,13 @@ fn behaviour(rows: &[Row]) -> Table {
     let base = rows.first().map_or(0.0, |row| row.total);
     for row in rows {
         let change = 100.0 * (row.total - base) / base.abs().at_least(f64::MIN_POSITIVE);
-        let change = if row.change.is_none() || !change.is_finite() { String::new() } else { format!("{change:+.0} %") };
-        let success = format!("{:.0} %", 100.0 * row.success_rate);
-        table.row(vec![row.name.clone(), success, format!("{:.0}", row.steps), for_people(row.total), change]);
+        let change = if row.change.is_none() || !change.is_finite() {
+            String::new()
+        } else {
+            format!("{}{} %", if change < 0.0 { "" } else { "+" }, fixed(change, 0))
+        };
+        let success = format!("{} %", fixed(100.0 * row.success_rate, 0));
+        table.row(vec![row.name.clone(), success, fixed(row.steps, 0), for_people(row.total), change]);
     }
     table
 }
@@ -104,7 +109,7 @@ pub fn text(rows: &[Row]) -> String {
 
 /// As a page.
 pub fn markdown(title: &str, rows: &[Row]) -> String {
-    let effects: Vec<String> = effects(rows).iter().map(|line| format!("* {line}")).collect();
+    let effects: Vec<String> = effects(rows).iter().map(|line| format!("* {}", in_markdown(line))).collect();
     let [behaviour, values] = [behaviour(rows), values(rows)].map(|table| table.markdown());
     format!(
         "# {title}: one weight at a time\n\nThe return is that of the unchanged weights, whatever rewarded the episodes.\n\n{behaviour}\n\
@@ -139,15 +144,15 @@ pub fn plot(title: &str, rows: &[Row]) -> String {
         let fill = if row.change.is_none() { "#8a8577" } else { "#3f6fa8" };
         let _ = writeln!(out, r#"<text class="end" x="{:.1}" y="{base:.1}">{}</text>"#, NAMES - 14.0, escape(&row.name));
         let _ = writeln!(out, r#"<rect x="{x:.1}" y="{top:.1}" width="{width:.1}" height="26" rx="3" fill="{fill}"/>"#);
-        let share = 100.0 * row.success_rate;
-        let _ = writeln!(out, r#"<text class="end" x="{:.1}" y="{base:.1}">{share:.0} %</text>"#, WIDTH - 24.0);
+        let share = fixed(100.0 * row.success_rate, 0);
+        let _ = writeln!(out, r#"<text class="end" x="{:.1}" y="{base:.1}">{share} %</text>"#, WIDTH - 24.0);
     }
     out.push_str("</svg>\n");
     out
 }
 
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    in_one_line(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]

@@ -2,14 +2,15 @@
 
 use crate::error::{Context, Error};
 use crate::output;
-use msk::compiler::numbers::for_people;
+use crate::terminal;
+use msk::compiler::numbers::{fixed, for_people};
 use msk::draw::chart::{self, Chart, Panel};
 use msk::evaluate::metrics::similarity::{Similarity, compare, mean_correlation};
 use msk::evaluate::recordings::{OBTAIN, Recording, muscle};
 use msk::evaluate::report::Table;
 use msk::evaluate::trace::Trace;
 use msk_storage::read_file;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -52,7 +53,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let found = Human::read(path, &args.map)?.compare(&trace)?;
     let mut table = Table::new(&HEAD);
     rows(&found).into_iter().for_each(|row| table.row(row));
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     write!(out, "{}", table.markdown())?;
     if let Some(mean) = mean_correlation(&found) {
         writeln!(out, "\nmean r {}", for_people(mean))?;
@@ -121,10 +122,10 @@ pub fn rows(found: &[Similarity]) -> Vec<Vec<String>> {
             muscle.muscle.clone(),
             muscle.column.clone(),
             cycles.to_string(),
-            format!("{:.0}", 100.0 * shift),
+            fixed(100.0 * shift, 0),
             for_people(*correlation),
             for_people(*chance),
-            format!("{:.1} %", 100.0 * reached),
+            format!("{} %", fixed(100.0 * reached, 1)),
         ]
     };
     found.iter().map(row).collect()

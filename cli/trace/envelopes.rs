@@ -2,10 +2,12 @@
 
 use crate::error::{Context, Error};
 use crate::output;
+use crate::terminal;
 use msk::evaluate::recordings::{OBTAIN, Participant, Recording, RecordingError, average, gait120, van_hooren};
 use msk_storage::read_file;
+use msk_text::{in_one_line, numbers::exact};
 use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -44,7 +46,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
         found if !found.is_empty() => walking(&found, args.condition.as_deref())?,
         _ => running(&files, args)?,
     };
-    let mut notes = io::stderr().lock();
+    let mut notes = terminal::notes();
     let mut participants = Vec::new();
     for Person { file, read } in people {
         match read {
@@ -61,7 +63,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let text = table(&average(&participants));
     match &args.out {
         Some(path) => output::write(path, text)?,
-        None => io::stdout().lock().write_all(text.as_bytes())?,
+        None => terminal::bytes().write_all(text.as_bytes())?,
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -159,10 +161,14 @@ fn running(files: &[PathBuf], args: &Args) -> Result<Vec<Person>, Error> {
 /// A recording as comma-separated values with all digits.
 fn table(recording: &Recording) -> String {
     // Names are read back as they are written, so they have no separators.
-    let plain = |name: &String| name.replace([',', ';', '\t', '"', '\n'], " ");
+    let plain = |name: &String| {
+        let name = in_one_line(&name.replace([',', ';', '\t', '"', '\n'], " "));
+        // Nor is one a formula for a spreadsheet.
+        if name.starts_with(['=', '+', '-', '@']) { format!("'{name}") } else { name }
+    };
     let mut text = recording.names.iter().map(plain).collect::<Vec<_>>().join(",") + "\n";
     for row in 0..recording.rows() {
-        let cells: Vec<String> = recording.columns.iter().map(|column| column[row].to_string()).collect();
+        let cells: Vec<String> = recording.columns.iter().map(|column| exact(column[row])).collect();
         text.push_str(&(cells.join(",") + "\n"));
     }
     text

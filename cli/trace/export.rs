@@ -2,9 +2,10 @@
 
 use crate::error::Error;
 use crate::output;
+use crate::terminal;
 use msk::evaluate::trace::opensim;
 use msk_storage::Folder;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -37,7 +38,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     for file in files {
         let name = format!("{stem}_{}", file.name);
         output::write_in(&opened, &name, file.text)?;
-        writeln!(io::stdout(), "{}", folder.join(name).display())?;
+        writeln!(terminal::out(), "{}", folder.join(name).display())?;
     }
     Ok(ExitCode::SUCCESS)
 }

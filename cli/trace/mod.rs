@@ -10,7 +10,7 @@ pub use args::{Quantities, TraceArgs, parse};
 
 use crate::error::{Context, Error};
 use msk::evaluate::trace::{ArchiveError, MOST_BYTES, Trace};
-use msk_storage::read_file;
+use msk_storage::{Folder, read_file};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -50,8 +50,21 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 /// # Errors
 /// A file that cannot be read, or is none.
 pub fn read(path: &Path) -> Result<Trace, Error> {
-    let bytes = read_file(path, MOST_BYTES).context(|| format!("cannot read `{}`", path.display()))?;
-    Trace::read(&bytes).map_err(|error: ArchiveError| {
+    of(&read_file(path, MOST_BYTES).context(|| format!("cannot read `{}`", path.display()))?, path)
+}
+
+/// Reads a trace of a folder, which no link may have brought there.
+///
+/// # Errors
+/// A file that cannot be read, is a link, or is none.
+pub fn read_in(folder: &Folder, name: &Path) -> Result<Trace, Error> {
+    let path = folder.path().join(name);
+    let bytes = folder.read_private(name, MOST_BYTES).context(|| format!("cannot read `{}`", path.display()))?;
+    of(&bytes.unwrap_or_default(), &path)
+}
+
+fn of(bytes: &[u8], path: &Path) -> Result<Trace, Error> {
+    Trace::read(bytes).map_err(|error: ArchiveError| {
         let error = Error::new(format!("`{}` {error}", path.display()));
         error.hint("a trace is what `msk run TASK --trace FILE` writes")
     })

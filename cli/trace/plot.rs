@@ -2,9 +2,10 @@
 
 use crate::error::Error;
 use crate::output;
+use crate::terminal;
 use msk::draw::chart::{self, Chart, Panel};
 use msk::evaluate::trace::{Quantity, Trace};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -42,7 +43,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let picture = chart::svg(&chart);
     match &args.out {
         Some(path) => output::write(path, picture)?,
-        None => io::stdout().lock().write_all(picture.as_bytes())?,
+        None => terminal::bytes().write_all(picture.as_bytes())?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -62,7 +62,8 @@ fn read(folder: &Path, engine: &Engine) -> Result<DataSet, Error> {
     let layout: Value = serde_json::from_str(&text).map_err(|error| refuse(format!("is damaged: {error}")))?;
     let acts_on = match layout["acts_on"].as_str() {
         Some("muscles") => ActsOn::Muscles,
-        _ => ActsOn::Task,
+        Some("task") => ActsOn::Task,
+        _ => return Err(refuse("is damaged: `acts_on` in data.json is neither \"muscles\" nor \"task\"".into())),
     };
     check(&layout, engine, acts_on).map_err(refuse)?;
     let [width, entries] = [engine.task().observation_size(), acts_on.size(engine.task(), engine.body())];
@@ -73,7 +74,8 @@ fn read(folder: &Path, engine: &Engine) -> Result<DataSet, Error> {
         let mut archive = NpzReader::new(&bytes).map_err(|error| damaged(error.to_string()))?;
         let seen: Vec<f32> = array(&mut archive, "observations", width).map_err(damaged)?;
         let done: Vec<f64> = array(&mut archive, "actions", entries).map_err(damaged)?;
-        let rows = done.len() / entries;
+        // A task without anything to decide has no entries.
+        let rows = done.len().checked_div(entries).unwrap_or(0);
         if seen.len() != (rows + 1) * width {
             return Err(damaged(format!("has {} observations for {rows} actions", seen.len() / width)));
         }

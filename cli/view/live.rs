@@ -4,11 +4,12 @@ use super::PAGE;
 use super::server::{Answer, Server};
 use crate::error::Error;
 use crate::html::Film;
+use crate::terminal;
 use msk::evaluate::Trial;
 use msk::runtime::episode::Environment;
 use msk::view::{Caption, Recording, page};
 use serde_json::{Value, json};
-use std::io::{self, Write};
+use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -60,7 +61,7 @@ impl Live {
     /// A port that is in use.
     pub fn open(trial: &Trial, caption: Caption, port: u16) -> Result<Self, Error> {
         let (task, server) = (&trial.task, Server::open(port)?);
-        writeln!(io::stderr(), "Open {} in a browser on this machine.", server.url())?;
+        writeln!(terminal::notes(), "Open {} in a browser on this machine.", server.url())?;
         Ok(Self {
             server,
             caption,
@@ -83,7 +84,7 @@ impl Live {
             let played = play();
             let announced = played.is_ok() && self.shown().over && !stop.load(Ordering::Relaxed);
             if announced {
-                let _ = writeln!(io::stderr(), "The page waits for a reader of the whole episode; Ctrl-C ends it.");
+                let _ = writeln!(terminal::notes(), "The page waits for a reader of the whole episode; Ctrl-C ends it.");
             }
             while announced && !stop.load(Ordering::Relaxed) && !serving.is_finished() && !self.is_done() {
                 thread::sleep(TICK);

@@ -8,10 +8,11 @@ mod server;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::policies::Limits;
+use crate::terminal;
 use playback::{NoPage, Playback};
 use results::Results;
 use server::{Answer, Server};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -58,11 +59,11 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (over, _) = results.state()?;
     let interrupt = Interrupt::listen()?;
     let server = Server::open(args.port)?;
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     writeln!(out, "{}", server.url())?;
     out.flush()?;
     drop(out);
-    writeln!(io::stderr(), "Open this address in a browser on this machine; Ctrl-C ends it.")?;
+    writeln!(terminal::notes(), "Open this address in a browser on this machine; Ctrl-C ends it.")?;
     let ended = AtomicBool::new(false);
     let playback = Playback { tasks: args.tasks, limits: &args.limits, stop: interrupt.stop(), last: Mutex::new(None) };
     let live =

@@ -93,7 +93,7 @@ fn evaluation(path: &Path) -> Result<(bool, Value), Error> {
         count += 1;
     });
     visited.map_err(crate::eval::explain)?;
-    let over = count as u64 >= settings.protocol.episodes * settings.tasks.len() as u64 || summed_up(path);
+    let over = count as u64 >= settings.protocol.episodes.saturating_mul(settings.tasks.len() as u64) || summed_up(path);
     let tasks: Vec<Value> =
         settings.tasks.iter().zip(&tasks).map(|(task, means)| means.json(task, settings.protocol.episodes)).collect();
     let state = json!({

@@ -2,14 +2,13 @@
 
 use super::{Opened, Target, change};
 use crate::error::Error;
-use crate::project::{self, Project};
+use crate::project::Project;
 use msk::compiler::diagnostics::{FileId, Report, SourceMap};
 use msk::compiler::files::Loader;
 use msk::compiler::task::Origin;
 use msk::compiler::weights::{Edit, Weights};
 use msk::runtime::library::FileLoader;
 use msk::tuning::overlay::Overlay;
-use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -39,7 +38,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let project = Project::open(&args.target.file, &[])?;
     let text = FileLoader.load(&args.weights)?;
     let (name, mut sources) = (args.weights.display().to_string(), SourceMap::default());
-    let refused = |sources, diagnostics| Error::rendered(Report::new(sources, diagnostics).render(project::style(&io::stderr())));
+    let refused = |sources, diagnostics| Error::rendered(&Report::new(sources, diagnostics));
     let overlay = Overlay::read(&name, &text, &mut sources).map_err(|errors| refused(sources.clone(), errors))?;
     let origin = Origin::Overlay(name.clone());
     overlay.apply(&project.compilation.tasks, &origin).map_err(|errors| refused(sources.clone(), errors))?;

@@ -2,8 +2,9 @@
 
 use super::Opened;
 use crate::error::Error;
+use crate::terminal;
 use msk::compiler::weights::{Entry, written};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -23,7 +24,7 @@ pub struct Args {
 /// A file that cannot be read, or that holds no weights.
 pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let opened = Opened::read(&args.file)?;
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     let entries = &opened.weights.entries;
     if entries.is_empty() {
         return Err(opened.none());

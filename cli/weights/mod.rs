@@ -12,14 +12,14 @@ mod scale;
 mod set;
 
 use crate::error::{Context, Error};
-use crate::project;
+use crate::terminal;
 use msk::compiler::compile;
 use msk::compiler::diagnostics::{Report, SourceMap};
 use msk::compiler::files::Loader;
 use msk::compiler::weights::{Change, Edit, Weights};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::tuning::store::Store;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -95,7 +95,7 @@ impl Opened {
                 }
                 Ok(Self { path: path.into(), text, weights })
             }
-            Err(errors) => Err(Error::rendered(Report::new(sources, errors).render(project::style(&io::stderr())))),
+            Err(errors) => Err(Error::rendered(&Report::new(sources, errors))),
         }
     }
 
@@ -146,7 +146,7 @@ fn change(target: &Target, by: &str, edits: impl Fn(&Opened) -> Result<Vec<Edit>
 }
 
 fn print(changes: &[Change], target: &Target) -> Result<ExitCode, Error> {
-    let mut out = io::stdout().lock();
+    let mut out = terminal::out();
     if target.json {
         let report = serde_json::json!({ "file": target.file, "applied": !target.dry_run, "changes": changes });
         writeln!(out, "{report}")?;

@@ -2,6 +2,7 @@
 
 use super::{Opened, Target, change};
 use crate::error::{Context, Error};
+use crate::numbers::within;
 use msk::compiler::weights::rules::{Weight, normalized};
 use msk::compiler::weights::{Bounds, Edit};
 use std::collections::BTreeSet;
@@ -15,7 +16,7 @@ pub struct Args {
     #[command(flatten)]
     target: Target,
     /// The sum of sizes
-    #[arg(long, default_value_t = 40.0)]
+    #[arg(long, default_value_t = 40.0, value_parser = within(1e-6, 1e12))]
     norm: f64,
     /// The task; may be left out if the file has one
     #[arg(long)]

@@ -2,6 +2,7 @@
 
 use super::{Target, change};
 use crate::error::Error;
+use crate::numbers::within;
 use std::process::ExitCode;
 
 /// Multiply weights by a factor
@@ -10,6 +11,7 @@ pub struct Args {
     #[command(flatten)]
     target: Target,
     /// By what
+    #[arg(allow_negative_numbers = true, value_parser = within(-1e9, 1e9))]
     factor: f64,
     /// Which terms; all that are not fixed if none is named
     terms: Vec<String>,

@@ -25,7 +25,7 @@ const SECONDS: f64 = 600.0;
 const LARGEST: u64 = 4 << 20;
 /// Largest journal that is read, bytes.
 const LARGEST_JOURNAL: u64 = 64 << 20;
-/// Most lines of a journal in one answer.
+/// Most lines of a journal, and most names, in one answer.
 const LINES: usize = 200;
 
 /// What `evaluate` is asked.
@@ -129,7 +129,7 @@ pub fn read_results(project: &Project, asked: &ReadResults) -> Result<Value, Fai
     let path = Path::new(folder).join(file);
     let limit = if file.ends_with(".jsonl") { LARGEST_JOURNAL } else { LARGEST };
     let text_of = |folder: &str, file: &str| project.confined.text(&Path::new(folder).join(file), LARGEST);
-    let text = project.confined.text(&path, limit)?.ok_or_else(|| format!("there is no file `{}`", path.display()))?;
+    let Some(text) = project.confined.text(&path, limit)? else { return Err(found(project, Path::new(folder), file)) };
     Ok(match file {
         _ if file.ends_with(".jsonl") => {
             // A last line without its end is still being written.
@@ -146,9 +146,32 @@ pub fn read_results(project: &Project, asked: &ReadResults) -> Result<Value, Fai
                 project.confined.folder().subfolder(Path::new(folder)).map_err(|error| Outside::of(Path::new(folder), &error))?;
             json!({ "file": file, "content": serde_json::to_value(Summary::of_folder(&opened)?)? })
         }
+        "summary.json" => {
+            let note = "not verified: without the run.json of its run the folder holds no episodes that could be summed up";
+            json!({ "file": file, "content": serde_json::from_str::<Value>(&text)?, "note": note })
+        }
         _ if file.ends_with(".json") => json!({ "file": file, "content": serde_json::from_str::<Value>(&text)? }),
         _ => json!({ "file": file, "text": text }),
     })
+}
+
+/// The error of a folder that lacks a file, with what it has: results may lie in its folders, one for each policy or scale.
+fn found(project: &Project, folder: &Path, file: &str) -> Failure {
+    let entries = match project.confined.folder().entries(&project.confined.spelled(folder)) {
+        Err(error) if error.kind() == Some(ErrorKind::NotFound) => {
+            return Failure(json!({ "error": format!("there is no folder `{}`", folder.display()) }));
+        }
+        Err(error) => return Outside::of(folder, &error).into(),
+        Ok(entries) => entries,
+    };
+    let names = |kind: Kind| -> Vec<String> {
+        let named = entries.iter().filter(|entry| entry.kind == kind).map(|entry| entry.name.display().to_string());
+        named.filter(|name| kind == Kind::Folder || FILES.contains(&name.as_str())).take(LINES).collect()
+    };
+    let (files, folders) = (names(Kind::File), names(Kind::Folder));
+    let has = if files.is_empty() { "no file of results".to_owned() } else { files.join(", ") };
+    let error = format!("there is no `{file}` in `{}`: it has {has}", folder.display());
+    Failure(json!({ "error": error, "files": files, "folders": folders }))
 }
 
 /// The folders of results.

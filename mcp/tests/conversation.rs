@@ -173,7 +173,15 @@ async fn episodes_run_within_a_budget_and_results_are_read() {
     fs::write(results.join("summary.json"), "{\"policy\": \"zero\"}").unwrap();
     fs::write(results.join("episodes.jsonl"), "{\"episode\":0}\n{\"episode\":1}\n{\"epi").unwrap();
     assert_eq!(talk.ask("read_results", json!({})).await["results"], json!(["results/one"]));
-    assert_eq!(talk.ask("read_results", json!({ "folder": "results/one" })).await["content"]["policy"], "zero");
+    let unclaimed = talk.ask("read_results", json!({ "folder": "results/one" })).await;
+    assert_eq!(unclaimed["content"]["policy"], "zero");
+    assert!(unclaimed["note"].as_str().unwrap().starts_with("not verified: without the run.json"), "{unclaimed}");
+    let missing = talk.refused("read_results", json!({ "folder": "results/one", "file": "run.json" })).await;
+    assert!(missing.contains("there is no `run.json` in `results/one`: it has episodes.jsonl, summary.json"), "{missing}");
+    let several = talk.refused("read_results", json!({ "folder": "results" })).await;
+    assert!(several.contains("it has no file of results") && several.contains(r#""folders":["one"]"#), "{several}");
+    let nowhere = talk.refused("read_results", json!({ "folder": "results/two" })).await;
+    assert!(nowhere.contains("there is no folder `results/two`"), "{nowhere}");
     let lines = talk.ask("read_results", json!({ "folder": "results/one", "file": "episodes.jsonl", "last": 1 })).await;
     assert_eq!((&lines["lines"], &lines["last"]), (&json!(2), &json!([{ "episode": 1 }])));
     assert!(

@@ -28,6 +28,8 @@ const DECISIVE: &[&str] = &[
     "compiler/src",
     "compiler/program/Cargo.toml",
     "compiler/program/src",
+    "text/Cargo.toml",
+    "text/src",
     "grammar/msk.pest",
     "bodies",
     "Cargo.lock",

@@ -4,6 +4,7 @@
 //! an episode that goes on from a snapshot goes on as it would have. Episodes that a policy imagines are not perturbed.
 
 use msk_physics::scalar::Real;
+use msk_program::numbers::exact;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
@@ -62,7 +63,7 @@ fn is_none(value: &u32) -> bool {
 
 /// A perturbation that makes no sense.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("the perturbation `{what}` is {value}, expected {expected}")]
+#[error("the perturbation `{what}` is {}, expected {expected}", exact(*.value))]
 pub struct PerturbationError {
     /// Which.
     pub what: &'static str,
@@ -129,7 +130,7 @@ impl fmt::Display for Perturbation {
             ("latency", f64::from(latency)),
         ];
         let words: Vec<String> =
-            parts.iter().filter(|(_, value)| *value != 0.0).map(|(name, value)| format!("{name} {value}")).collect();
+            parts.iter().filter(|(_, value)| *value != 0.0).map(|(name, value)| format!("{name} {}", exact(*value))).collect();
         f.write_str(if words.is_empty() { "none" } else { "" })?;
         f.write_str(&words.join(", "))
     }

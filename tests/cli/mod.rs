@@ -17,6 +17,7 @@ mod merge;
 mod motion;
 mod mutate;
 mod new;
+mod numbers;
 #[cfg(unix)]
 mod pictures;
 mod policies;
@@ -26,6 +27,7 @@ mod run;
 mod sensitivity;
 mod session;
 mod special_files;
+mod terminal;
 mod test;
 mod trace;
 mod train;

@@ -147,7 +147,7 @@ fn a_program_that_cannot_be_used_is_refused_at_once() {
     run("process").failed(1, &["`process` needs a command: write `process python3 policy.py`"]);
     run("replay nothing.npy").failed(1, &["cannot read `nothing.npy`"]);
     run("pocess sh").failed(1, &["there is no policy `pocess sh`", "process COMMAND, network FILE, replay FILE"]);
-    project.msk(&["run", "lean.msk", "--policy-timeout", "0"]).failed(2, &["more than 0"]);
+    project.msk(&["run", "lean.msk", "--policy-timeout", "0"]).failed(2, &["is not a number from 0.001 to 3600"]);
 }
 
 #[test]

@@ -134,7 +134,9 @@ fn conditions_are_named() {
 fn nothing_is_written_or_shown_through_a_link() {
     use std::os::unix::fs::symlink;
     let project = Project::lean();
-    project.msk(&["eval", "tasks.msk", "--episodes", "1", "--policy", "zero", "--strip", "worst", "--out", "out"]).succeeded();
+    project
+        .msk(&["eval", "tasks.msk", "--episodes", "1", "--policy", "zero", "--strip", "worst", "--trace=terms", "--out", "out"])
+        .succeeded();
     project.write("victim", "secret");
     std::fs::create_dir(project.path("report")).unwrap();
     symlink(project.path("victim"), project.path("report/report.html")).unwrap();
@@ -160,6 +162,55 @@ fn nothing_is_written_or_shown_through_a_link() {
     std::fs::remove_file(project.path("out/lean-worst.png")).unwrap();
     project.write("out/lean-worst.png", "no picture");
     project.msk(&["report", "out", "--out", "other"]).failed(1, &["is not a PNG picture"]);
+    std::fs::remove_file(project.path("out/lean-worst.png")).unwrap();
+
+    let trace = project.path("out/traces/lean-0000.npz");
+    std::fs::rename(&trace, project.path("trace.npz")).unwrap();
+    symlink(project.path("trace.npz"), &trace).unwrap();
+    project.msk(&["report", "out", "--out", "other"]).failed(1, &["lean-0000.npz", "a symbolic link"]);
+    std::fs::rename(project.path("out/traces"), project.path("traces")).unwrap();
+    symlink(project.path("traces"), project.path("out/traces")).unwrap();
+    project.msk(&["report", "out", "--out", "other"]).failed(1, &["`out/traces` is a symbolic link"]);
+}
+
+/// The sums of a sweep are of the episodes that its folders hold; these must be those that the folders are named after.
+#[test]
+fn a_sweep_of_exchanged_episodes_is_not_believed() {
+    let project = evaluated();
+    let report = || project.msk(&["report", "sweep", "--out", "report"]);
+    report().succeeded();
+    let scales = std::fs::read_dir(project.path("sweep")).unwrap().flatten().map(|entry| entry.path());
+    let scale = scales.filter(|path| path.to_string_lossy().contains("latency-")).min().unwrap();
+    std::fs::remove_dir_all(&scale).unwrap();
+    std::fs::rename(project.path("zero"), &scale).unwrap();
+    report().failed(1, &["the sweep contains results of another run in `sweep/latency-", "evaluate again"]);
+    std::fs::remove_dir_all(&scale).unwrap();
+    let copied = std::process::Command::new("cp").args(["-r"]).arg(project.path("sweep/unperturbed")).arg(&scale).status();
+    assert!(copied.unwrap().success());
+    report().failed(1, &["the sweep contains episodes that are perturbed in another way in `sweep/latency-"]);
+}
+
+/// A report of a folder that somebody else has made, with names that try to be more than names.
+#[test]
+fn hostile_names_stay_text_in_every_format() {
+    let project = evaluated();
+    let label = "=cmd|x\u{1b}[2J![a](http:\u{202e})\n<img>";
+    std::fs::rename(project.path("zero"), project.path(label)).unwrap();
+    let curve = "{\"step\":100,\"evaluation\":{\"episodes\":2,\"success\":0.5,\"return\":1e300,\"steps\":9.0}}\n";
+    project.write(&format!("{label}2/curve.jsonl"), curve);
+    let done = project.msk(&["report", label, &format!("{label}2"), "--out", "report", "--title", "a\u{1b}[2J\nb"]).succeeded();
+    assert!(!done.out.contains('\u{1b}'), "{}", done.out);
+    for file in ["report.html", "report.md", "report.csv", "report.tex", "paper.md", "paper.csv", "paper.tex"] {
+        let text = project.read(&format!("report/{file}"));
+        let acts = |letter: char| (letter.is_control() && letter != '\n') || letter == '\u{202e}';
+        assert!(!text.contains(acts), "{file}: {text}");
+        assert!(!text.contains(&"0".repeat(200)), "{file} has rows of digits");
+    }
+    let csv = project.read("report/report.csv");
+    assert!(csv.contains(",'=cmd|x\\u001b[2J") && !csv.contains(",=cmd"), "{csv}");
+    let markdown = project.read("report/report.md");
+    assert!(markdown.contains(r"=cmd\|x\\u001b[2J![a]\(http:\\u202e)\\n\<img>2"), "{markdown}");
+    assert!(!project.read("report/report.html").contains("<img>"));
 }
 
 #[test]

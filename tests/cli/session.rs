@@ -54,7 +54,7 @@ fn the_text_of_a_session_steers_no_terminal() {
     project.write("try/session.json", &session.replacen("\"lean\"", "\"le\\u001b[2Jan\"", 1));
     let done = project.msk(&["session", "status", "try"]);
     assert!(!done.out.contains('\u{1b}') && !done.err.contains('\u{1b}'), "{done:?}");
-    assert!(format!("{}{}", done.out, done.err).contains("\\u{1b}[2J"), "{done:?}");
+    assert!(format!("{}{}", done.out, done.err).contains("\\u001b[2J"), "{done:?}");
 }
 
 #[test]

@@ -500,6 +500,17 @@ fn settings_that_make_no_sense_are_reported() {
     assert!(error_of("kind = \"http\"\nurl = \"https://h\"\nmodel = \"m\"\nkey_variable = \"K\"").contains("variable `K`"));
     assert!(error_of("kind = \"process\"\ncommand = []").contains("`command` is empty"));
     assert!(error_of("kind = \"process\"\ncommand = [\"a\"]\ntimeout_s = -1").contains("timeout_s"));
+    for (key, value, expected) in [
+        ("timeout_s", "nan", "timeout_s is NaN, not 0.001 to 3600"),
+        ("timeout_s", "1e308", "timeout_s is 1e308, not 0.001 to 3600"),
+        ("temperature", "inf", "temperature is inf, not 0 to 2"),
+        ("temperature", "-1e-308", "temperature is -1e-308, not 0 to 2"),
+        ("attempts", "0", "attempts is 0, not 1 to 10"),
+        ("attempts", "4000000000", "attempts is 4000000000, not 1 to 10"),
+    ] {
+        let error = error_of(&format!("kind = \"http\"\nurl = \"https://h\"\nmodel = \"m\"\n{key} = {value}"));
+        assert!(error.ends_with(expected), "{error}");
+    }
     assert_eq!(error_of("kind = \"rules\""), "");
     assert!(matches!(read("{", &asked(), &Secrets::default()), Err(ReplyError::NoObject(_))));
 }

@@ -29,7 +29,7 @@ pub fn tables(columns: &[Column<'_>], sources: &[Source], compared: &[Compared])
     tables.extend(settings::tables(sources));
     tables.extend(sessions::table(sources));
     tables.extend(residual::table(columns, compared));
-    tables
+    tables.into_iter().map(PaperTable::in_lines).collect()
 }
 
 /// Evaluations and sweeps of one policy belong together.

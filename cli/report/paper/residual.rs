@@ -3,6 +3,7 @@
 use super::super::episodes::Compared;
 use super::Column;
 use super::table::{Cell, Group, Head, NOTHING, PaperTable, cell, head, mark_largest, number};
+use msk::compiler::numbers::fixed;
 use msk::evaluate::metrics::similarity::mean_correlation;
 
 /// Most channels whose correlations are given one by one.
@@ -53,7 +54,7 @@ pub fn table(columns: &[Column<'_>], compared: &[Compared]) -> Option<PaperTable
 fn correlations(compared: &Compared) -> Cell {
     match compared.found.as_slice() {
         few if few.len() <= MOST_CHANNELS => {
-            cell(few.iter().map(|muscle| format!("{:.2}", muscle.correlation)).collect::<Vec<_>>().join("/"))
+            cell(few.iter().map(|muscle| fixed(muscle.correlation, 2)).collect::<Vec<_>>().join("/"))
         }
         all => number(mean_correlation(all), 2),
     }

@@ -4,6 +4,7 @@
 use super::super::read::Source;
 use super::table::{Cell, Group, Head, NOTHING, PaperTable, cell, head, mark_largest, number};
 use super::{Column, standard};
+use msk::compiler::numbers::exact;
 use msk::evaluate::Summary;
 use msk::evaluate::metrics::peak;
 use msk::evaluate::sweep::{Axis, Curve, Robustness, Sweep};
@@ -94,7 +95,7 @@ fn of_family(family: &str, columns: &[Column<'_>], first: &Summary, sources: &[S
         before.map(head).into_iter().chain(between).chain(after.map(head)).collect()
     };
     let robustness = vec![Head { text: "Robustness (%)".into(), columns: count }];
-    let numbers = scales.iter().flatten().map(|scale| head(scale.to_string())).collect();
+    let numbers = scales.iter().flatten().map(|scale| head(exact(*scale))).collect();
     let tasks = first.tasks.iter().filter(|task| task.family == family);
     let rows = |task: &str| columns.iter().map(|column| cells(task, column, &scales, sources)).collect();
     PaperTable {

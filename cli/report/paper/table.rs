@@ -1,8 +1,9 @@
 //! A table of the paper, and how it is written as LaTeX, Markdown and comma-separated values.
 
-use super::super::page::{END_FITTED, FITTED, escaped, quoted};
+use super::super::page::{END_FITTED, FITTED, escaped, quoted, row};
 use core::fmt::Write;
-use msk::evaluate::report::Table;
+use msk::evaluate::report::{Table, in_markdown};
+use msk_text::{in_one_line, numbers::fixed};
 
 /// What a table has where nothing was evaluated.
 pub const NOTHING: &str = "--";
@@ -58,7 +59,7 @@ pub fn cell(text: impl Into<String>) -> Cell {
 
 /// A number with so many decimals, or nothing.
 pub fn number(value: Option<f64>, decimals: usize) -> Cell {
-    cell(value.map_or(NOTHING.to_owned(), |value| format!("{value:.decimals$}")))
+    cell(value.map_or(NOTHING.to_owned(), |value| fixed(value, decimals)))
 }
 
 /// All tables as LaTeX; empty if there are none.
@@ -70,7 +71,7 @@ pub fn latex(tables: &[PaperTable]) -> String {
 
 /// All tables as Markdown, each below its caption.
 pub fn markdown(tables: &[PaperTable]) -> String {
-    let text = |table: &PaperTable| format!("{}\n\n{}", table.caption, table.markdown());
+    let text = |table: &PaperTable| format!("{}\n\n{}", in_markdown(&table.caption), table.markdown());
     tables.iter().map(text).collect::<Vec<_>>().join("\n")
 }
 
@@ -87,6 +88,17 @@ pub fn csv(tables: &[PaperTable]) -> String {
 }
 
 impl PaperTable {
+    /// The same table with every text in one line.
+    pub fn in_lines(mut self) -> Self {
+        let heads = self.head.iter_mut().flatten().map(|head| &mut head.text);
+        let groups = self.groups.iter_mut().flat_map(|group| {
+            let cells = group.rows.iter_mut().flatten().flat_map(|cell| [&mut cell.text, &mut cell.remark]);
+            group.name.iter_mut().chain(cells)
+        });
+        heads.chain(groups).chain([&mut self.caption]).for_each(|text| *text = in_one_line(text));
+        self
+    }
+
     /// A head for each column, those above each other in one.
     fn heads(&self) -> Vec<String> {
         let mut heads: Vec<String> = Vec::new();
@@ -113,9 +125,9 @@ impl PaperTable {
     fn markdown(&self) -> String {
         let mut table = Table::new(&self.heads().iter().map(String::as_str).collect::<Vec<_>>());
         let cell = |cell: &Cell| {
-            let text = cell.text.replace('|', "\\|");
-            let remark = if cell.remark.is_empty() { String::new() } else { format!(" ({})", cell.remark) };
-            if cell.best { format!("**{text}**{remark}") } else { format!("{text}{remark}") }
+            let Cell { text, best, remark } = cell;
+            let remark = if remark.is_empty() { String::new() } else { format!(" ({remark})") };
+            if *best { format!("**{text}**{remark}") } else { format!("{text}{remark}") }
         };
         self.rows().for_each(|row| table.row(row.iter().map(cell).collect()));
         table.markdown()
@@ -166,7 +178,7 @@ fn heads_in_latex(row: &[Head]) -> String {
 
 /// A line of cells.
 fn line(cells: &[String]) -> String {
-    format!("{} \\\\", cells.join(" & ")).replace("  ", " ").trim_start().to_owned()
+    format!("{} \\\\", row(cells)).replace("  ", " ").trim_start().to_owned()
 }
 
 impl Cell {

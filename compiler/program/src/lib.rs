@@ -28,7 +28,6 @@ pub mod init;
 pub mod lower;
 pub mod motion;
 pub mod nearest;
-pub mod numbers;
 #[cfg(feature = "interpreter")]
 pub mod plain;
 pub mod quantity;
@@ -45,3 +44,5 @@ pub mod vocabulary;
 pub mod weights;
 #[doc(hidden)]
 pub mod work;
+
+pub use msk_text::numbers;

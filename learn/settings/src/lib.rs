@@ -19,6 +19,10 @@
 //! # Ok::<(), SettingsError>(())
 //! ```
 
+// Results agree between machines to the bit: see `clippy.toml`.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+use msk_text::numbers::exact;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::ops::RangeInclusive;
@@ -82,8 +86,8 @@ impl<'a> Checked<'a> {
         if range.contains(&found) {
             return Ok(());
         }
-        let expected = format!("a number from {} to {} {unit}", range.start(), range.end());
-        self.refuse(key, shown(found), expected.trim_end().to_owned())
+        let expected = format!("a number from {} to {} {unit}", exact(*range.start()), exact(*range.end()));
+        self.refuse(key, exact(found), expected.trim_end().to_owned())
     }
 
     /// A whole number within a range.
@@ -106,9 +110,4 @@ impl<'a> Checked<'a> {
         let line = self.text.lines().position(is_of).map_or(0, |index| index + 1);
         Err(SettingsError::Range { line, key, found, expected })
     }
-}
-
-/// A number without rows of zeros.
-fn shown(value: f64) -> String {
-    if value.abs() >= 1e9 || (value != 0.0 && value.abs() < 1e-6) { format!("{value:e}") } else { value.to_string() }
 }

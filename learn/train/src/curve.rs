@@ -3,6 +3,7 @@
 
 use crate::evaluate::Evaluation;
 use crate::training::Round;
+use msk_program::numbers::exact;
 use msk_program::task::CompiledTask;
 use msk_storage::{Folder, Log, StorageError};
 use serde::de::IgnoredAny;
@@ -109,9 +110,14 @@ impl Curve {
             if matches!(&line, Line::Round(RoundLine { ended: None, .. })) && names.contains_key("episodes") {
                 return Err(damaged("is damaged".into()));
             }
+            if let Line::Evaluation { evaluation, .. } = &line
+                && let Some(wrong) = evaluation.wrong()
+            {
+                return Err(damaged(format!("holds an evaluation {wrong}")));
+            }
             let large = line.numbers().find(|number| number.abs() > LARGEST_NUMBER);
             match large {
-                Some(number) => Err(damaged(format!("holds {number:e}"))),
+                Some(number) => Err(damaged(format!("holds {}", exact(number)))),
                 None => Ok(line),
             }
         };

@@ -3,6 +3,7 @@
 use crate::agent::Actor;
 use crate::error::TrainError;
 use msk_network::Tape;
+use msk_program::numbers::exact;
 use msk_runtime::episode::{AutoresetMode, Engine, EpisodeKey, VectorEnvironment};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
@@ -26,6 +27,18 @@ pub struct Evaluation {
     pub total: f64,
     /// Mean length in control steps.
     pub steps: f64,
+}
+
+impl Evaluation {
+    /// Why no evaluation comes to this, in words that continue "an evaluation"; files may hold any numbers.
+    pub(crate) fn wrong(&self) -> Option<String> {
+        let Self { success, total, steps, .. } = *self;
+        if !(0.0..=1.0).contains(&success) {
+            return Some(format!("whose success is {}: expected a number from 0 to 1", exact(success)));
+        }
+        let sound = total.is_finite() && steps >= 0.0 && steps.is_finite();
+        (!sound).then(|| format!("of return {} in {} steps: expected finite numbers", exact(total), exact(steps)))
+    }
 }
 
 /// Plays evaluations of one training.

@@ -446,6 +446,15 @@ fn what_is_no_agent_is_refused() {
     );
     assert!(changed("clip = 10.0", "clip = nan").contains("bounds observations by NaN"));
     assert!(changed("clip = 10.0", "clip = 0.0").contains("bounds observations by 0"));
+    let measured = |numbers: &str| changed("[network]", &format!("[evaluation]\nepisodes = 5\n{numbers}\n\n[network]"));
+    let beyond = measured("success = 1e307\nreturn = 1.0\nsteps = 1.0");
+    assert!(beyond.contains("describes an evaluation whose success is 1e307: expected a number from 0 to 1"), "{beyond}");
+    let infinite = measured("success = 1.0\nreturn = -inf\nsteps = 1.0");
+    assert!(infinite.contains("describes an evaluation of return -inf in 1 steps: expected finite numbers"), "{infinite}");
+    let largest = i64::MAX;
+    let sizes = changed("inputs = ", &format!("inputs = {largest} #"));
+    assert!(sizes.contains(&format!("describes a network of {largest} inputs")), "{sizes}");
+    assert!(changed("size = ", &format!("size = {largest} #")).contains("observed numbers"), "sums of sizes stay sums");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::escape;
 use super::path::{Path, number};
 use core::fmt::Write;
+use msk_text::numbers::for_people;
 use nalgebra::Vector2;
 
 /// A chart.
@@ -137,6 +138,9 @@ pub(super) fn text(out: &mut String, class: &str, [x, y]: [f64; 2], words: &str)
     let _ = writeln!(out, r#"<text class="{class}" x="{}" y="{}">{}</text>"#, number(x), number(y), escape(words));
 }
 
+/// Largest value of a scale.
+const LARGEST: f64 = 1e300;
+
 /// A linear scale with round ticks.
 pub(super) struct Scale {
     values: [f64; 2],
@@ -147,7 +151,8 @@ pub(super) struct Scale {
 impl Scale {
     /// Over all finite values; with `round` ends at ticks, else exactly at the smallest and largest value.
     pub(super) fn new(values: impl Iterator<Item = f64>, places: [f64; 2], round: bool) -> Self {
-        let finite = values.filter(|value| value.is_finite());
+        // So that no difference, and no end that is rounded, is infinite.
+        let finite = values.filter(|value| value.is_finite()).map(|value| value.clamp(-LARGEST, LARGEST));
         let [mut low, mut high] = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
         if low > high {
             [low, high] = [0.0, 1.0];
@@ -174,7 +179,9 @@ impl Scale {
         let decimals = (-libm::floor(libm::log10(self.step) + 1e-9)).clamp(0.0, 9.0) as usize;
         let first = (self.values[0] / self.step - 1e-9).ceil() as i64;
         let last = (self.values[1] / self.step + 1e-9).floor() as i64;
-        (first..=last).map(|index| index as f64 * self.step).map(|value| (value, format!("{value:.decimals$}"))).collect()
+        let small = self.values.iter().all(|value| value.abs() < 1e9) && self.step >= 1e-9;
+        let label = |value: f64| if small { format!("{value:.decimals$}") } else { for_people(value) };
+        (first..=last).map(|index| index as f64 * self.step).map(|value| (value, label(value))).collect()
     }
 }
 
@@ -192,6 +199,16 @@ mod tests {
         assert_eq!(labels(&scale(-3.2, 41.0)), ["-10", "0", "10", "20", "30", "40", "50"]);
         assert_eq!(labels(&scale(0.011, 0.034)), ["0.010", "0.015", "0.020", "0.025", "0.030", "0.035"]);
         assert_eq!(scale(0.0, 10.0).place(5.0), 50.0);
+    }
+
+    #[test]
+    fn huge_and_tiny_values_have_short_labels() {
+        for [low, high] in [[-1e308, 1e308], [0.0, 1e308], [1e-308, 2e-308], [-3e12, 5e12], [1e300, 1e300]] {
+            let scale = scale(low, high);
+            let ticks = scale.ticks();
+            assert!((2..20).contains(&ticks.len()), "{low} to {high}: {ticks:?}");
+            assert!(ticks.iter().all(|(value, label)| label.len() < 12 && scale.place(*value).is_finite()), "{ticks:?}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::path::{Bounds, Path, number};
 use super::silhouette::limbs;
 use core::fmt::Write;
 use msk_runtime::body::sensors::Snapshot;
+use msk_text::numbers::fixed;
 use nalgebra::{Vector2, Vector3};
 use std::collections::BTreeMap;
 
@@ -45,7 +46,7 @@ pub(super) fn arrows(snapshot: &Snapshot<'_>, camera: &Camera) -> Vec<Arrow> {
         .map(|(force, moment, size)| {
             let tail = camera.project(moment / size);
             let head = tail + camera.direction(force) * (BODY_WEIGHT / 1000.0 / weight);
-            Arrow { tail, head, label: format!("{:.0} N", force.norm()), label_at: head + Vector2::new(16.0, 0.0) }
+            Arrow { tail, head, label: format!("{} N", fixed(force.norm(), 0)), label_at: head + Vector2::new(16.0, 0.0) }
         })
         .collect();
     spread_labels(&mut arrows);

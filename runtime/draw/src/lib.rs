@@ -10,6 +10,8 @@
 //!
 //! The same state gives the same bytes. Units in the file are millimetres.
 
+#![allow(clippy::disallowed_methods, reason = "no result is computed from a picture")]
+
 pub mod bars;
 mod camera;
 pub mod chart;
@@ -33,6 +35,7 @@ use core::fmt::Write;
 use forces::Arrow;
 use msk_physics::model::GeomKind;
 use msk_runtime::body::sensors::Snapshot;
+use msk_text::in_one_line;
 use nalgebra::Vector2;
 use panel::Panel;
 use path::{Bounds, number};
@@ -283,7 +286,8 @@ fn legend(out: &mut String, width: f64, depth: f64, anatomy: bool) {
 
 /// Text as it may stand in XML.
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    // XML has no control characters, not even as references.
+    in_one_line(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]

@@ -97,7 +97,7 @@ pub fn merge(shards: &[PathBuf], out: &Path) -> Result<Merged, MergeError> {
     let settings = settings(shards)?;
     let summaries = shards.iter().map(|shard| summary(shard)).collect::<Result<Vec<_>, _>>()?;
     // Tasks that the policy cannot act on, and units of metrics, which journals do not have.
-    let BesideJournal { skipped, units } = BesideJournal::of(&summaries, &settings);
+    let BesideJournal { mut skipped, units } = BesideJournal::of(&summaries, &settings);
 
     let mut summarizer = Summarizer::of(settings.clone(), units);
     let mut done = EpisodeSet::default();
@@ -106,6 +106,8 @@ pub fn merge(shards: &[PathBuf], out: &Path) -> Result<Merged, MergeError> {
         done.insert(job);
         summarizer.add(&record);
     }
+    // A task that has episodes was not skipped, whatever a summary says.
+    skipped.retain(|(place, _)| done.count(*place) == 0);
     must_be_whole(&settings, &done, &skipped)?;
     let summary = summarizer.summary().with_skipped(&skipped);
 
@@ -275,5 +277,17 @@ mod tests {
         let merged = merge(&[same, one], &out).unwrap();
         assert_eq!((merged.episodes, merged.summary.tasks[0].successes), (3, 3));
         assert_eq!(fs::read_to_string(out.join("episodes.jsonl")).unwrap().lines().count(), 3);
+    }
+
+    #[test]
+    fn a_summary_that_calls_a_played_task_skipped_is_not_believed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = shard(folder.path(), "one", &[(0, 1.5), (2, 1.5)]);
+        let summary = fs::read_to_string(path.join(SUMMARY)).unwrap();
+        let edited = summary.replacen("\"family\"", "\"skipped\": \"it cannot act\", \"family\"", 1);
+        assert_ne!(summary, edited);
+        fs::write(path.join(SUMMARY), edited).unwrap();
+        let error = merge(&[path], &folder.path().join("out")).unwrap_err().to_string();
+        assert!(error.starts_with("1 of 3 episodes are missing, such as episode 1"), "{error}");
     }
 }

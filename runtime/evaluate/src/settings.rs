@@ -6,6 +6,7 @@ use super::{EpisodeRecord, Plan, Shard};
 use msk_program::task::{CompiledTask, Origin};
 use msk_runtime::condition::MuscleCondition;
 use msk_runtime::perturbation::Perturbation;
+use msk_text::numbers::exact;
 use serde::{Deserialize, Serialize};
 
 /// Hash of everything in the program that decides results: the sources of compiler and runtime, the grammar, the bodies inside
@@ -192,7 +193,7 @@ impl RunSettings {
                     let name = &changed.0.name;
                     return Some(match pairs.find(|(here, there)| here != there) {
                         Some(((term, here), (same, there))) if term == same => {
-                            format!("the weight of `{term}` in task `{name}` is {here}, not {there}")
+                            format!("the weight of `{term}` in task `{name}` is {}, not {}", exact(*here), exact(*there))
                         }
                         _ => format!("other weights of task `{name}` are set"),
                     });

@@ -9,6 +9,9 @@
 //! Observation, terms, terminations and success are exported; how an episode begins, what disturbs it and how an action becomes
 //! excitations is not.
 
+// Results agree between machines to the bit: see `clippy.toml`.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod anatomy;
 mod expression;
 mod module;

@@ -1,6 +1,7 @@
 //! What can go wrong in a step.
 
 use crate::model::Model;
+use msk_text::numbers::exact;
 use serde::{Deserialize, Serialize};
 
 /// A quantity that is checked.
@@ -52,7 +53,7 @@ impl core::fmt::Display for Input {
 #[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
 pub enum Fault {
     /// A number is not finite or too large to mean anything (MuJoCo's limit, 1e10).
-    #[error("at {time} s the {quantity} of joint `{joint}` (body `{body}`) is {}", shown(*value))]
+    #[error("at {} s the {quantity} of joint `{joint}` (body `{body}`) is {}", exact(*time), exact(*value))]
     Diverged {
         /// Simulated time, s.
         time: f64,
@@ -66,7 +67,7 @@ pub enum Fault {
         value: f64,
     },
     /// The excitation (control) or activation of a muscle or other actuator is not a finite number.
-    #[error("at {time} s the {input} of muscle `{muscle}` is {}", shown(*value))]
+    #[error("at {} s the {input} of muscle `{muscle}` is {}", exact(*time), exact(*value))]
     Input {
         /// Simulated time, s.
         time: f64,
@@ -78,7 +79,7 @@ pub enum Fault {
         value: f64,
     },
     /// The pose that a body is given from outside is not finite.
-    #[error("at {time} s the pose given to body `{body}` is not finite")]
+    #[error("at {} s the pose given to body `{body}` is not finite", exact(*time))]
     Placed {
         /// Simulated time, s.
         time: f64,
@@ -86,7 +87,7 @@ pub enum Fault {
         body: String,
     },
     /// The mass matrix (with constraints) has no positive pivot at this joint.
-    #[error("at {time} s the inertia at joint `{joint}` (body `{body}`) is not positive: the constraint solver cannot go on")]
+    #[error("at {} s the inertia at joint `{joint}` (body `{body}`) is not positive: the constraint solver cannot go on", exact(*time))]
     Singular {
         /// Simulated time, s.
         time: f64,
@@ -95,11 +96,6 @@ pub enum Fault {
         /// The body that the joint moves.
         body: String,
     },
-}
-
-/// A number without rows of zeros.
-fn shown(value: f64) -> String {
-    if value.abs() >= 1e9 { format!("{value:e}") } else { value.to_string() }
 }
 
 /// Values beyond this count as diverged, MuJoCo's `mjMAXVAL`.

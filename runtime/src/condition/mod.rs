@@ -76,12 +76,12 @@ fn hint(nearest: &Option<String>) -> String {
 impl fmt::Display for MuscleCondition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let weakness = self.weakness.iter().map(|Weakness { muscles, factor }| match muscles {
-            Some(muscles) => format!("weakness {muscles}={factor}"),
-            None => format!("weakness {factor}"),
+            Some(muscles) => format!("weakness {muscles}={}", exact(*factor)),
+            None => format!("weakness {}", exact(*factor)),
         });
         let fatigue = self.fatigue.iter().map(|fatigue| match *fatigue == Fatigue::default() {
             true => "fatigue".to_owned(),
-            false => format!("fatigue {}/{}/{}", fatigue.fatigue, fatigue.recovery, fatigue.rest),
+            false => format!("fatigue {}/{}/{}", exact(fatigue.fatigue), exact(fatigue.recovery), exact(fatigue.rest)),
         });
         let parts: Vec<String> = weakness.chain(fatigue).collect();
         f.write_str(if parts.is_empty() { "none" } else { "" })?;

@@ -52,6 +52,18 @@ impl Excitations {
     /// # Errors
     /// Bytes that are no such array, that end too soon, or hold numbers that are not finite.
     pub fn from_npy(bytes: &[u8], width: usize) -> Result<Self, ExcitationsError> {
+        Self::read(bytes, width, f64::is_finite)
+    }
+
+    /// The same where numbers may be missing, which are NaN.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn with_gaps_from_npy(bytes: &[u8], width: usize) -> Result<Self, ExcitationsError> {
+        Self::read(bytes, width, |value| !value.is_infinite())
+    }
+
+    fn read(bytes: &[u8], width: usize, may_be: fn(f64) -> bool) -> Result<Self, ExcitationsError> {
         let (header, data) = parts(bytes)?;
         let header = std::str::from_utf8(header).map_err(|_| ExcitationsError::Format("its header is not text"))?;
         let big_endian = match (value_of(header, "descr"), value_of(header, "fortran_order")) {
@@ -70,7 +82,7 @@ impl Excitations {
         let (numbers, _) = data.as_chunks::<8>();
         let number = |bytes: &[u8; 8]| if big_endian { f64::from_be_bytes(*bytes) } else { f64::from_le_bytes(*bytes) };
         let values: Vec<f64> = numbers.iter().map(number).collect();
-        match values.iter().position(|value| !value.is_finite()) {
+        match values.iter().position(|value| !may_be(*value)) {
             Some(at) => Err(ExcitationsError::NotFinite { row: at / width, column: at % width, value: values[at] }),
             None => Ok(Self { values, rows, width }),
         }

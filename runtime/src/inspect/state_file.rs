@@ -3,6 +3,7 @@
 use msk_physics::State;
 use msk_physics::model::Model;
 use msk_physics::overrides::{Overrides, ShapeOverrides};
+use msk_program::numbers::exact;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -86,7 +87,7 @@ pub enum StateError {
         expected: usize,
     },
     /// A factor or coefficient that no body can have.
-    #[error("`{name}` has {value} at {index}: {wanted}")]
+    #[error("`{name}` has {} at {index}: {wanted}", exact(*.value))]
     Value {
         /// The array.
         name: &'static str,

@@ -5,6 +5,7 @@ use super::builder::SceneBuilder;
 use super::elements::{NewAttachment, NewBody, NewGeom, NewJoint};
 use msk_physics::model::rotation;
 use msk_physics::model::{GeomKind, JointKind, Quaternion};
+use msk_program::numbers::exact;
 
 /// What cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -18,7 +19,7 @@ pub enum BuildError {
         name: String,
     },
     /// A number that is not finite, or a size that is not positive.
-    #[error("the {what} of `{name}` is {value}; {expected}")]
+    #[error("the {what} of `{name}` is {}; {expected}", exact(*.value))]
     Number {
         /// Name of the thing.
         name: String,

@@ -1,6 +1,6 @@
 //! Secrets: they are sent, and never shown.
 
-use msk_storage::printable;
+use msk_text::printable;
 use serde_json::Value;
 use std::fmt;
 
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn terminals_are_not_steered() {
-        assert_eq!(Secrets::default().shown("a\u{1b}[2Jb\u{9b}\r\n"), "a\\u{1b}[2Jb\\u{9b}\\u{d}\n");
+        assert_eq!(Secrets::default().shown("a\u{1b}[2Jb\u{9b}\r\n"), "a\\u001b[2Jb\\u009b\\r\n");
     }
 
     #[test]

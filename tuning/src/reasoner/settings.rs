@@ -2,12 +2,15 @@
 
 use super::{Http, Process, Reasoner, RuleBook, Secret};
 use msk_storage::{StorageError, read_text_file};
+use msk_text::numbers::exact;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Largest file of settings that is read, bytes.
 const LARGEST: u64 = 1 << 16;
+/// Most attempts: the pause doubles after each, to two minutes before the tenth.
+const MOST_ATTEMPTS: u32 = 10;
 
 /// Why a reasoner cannot be had.
 #[derive(Debug, thiserror::Error)]
@@ -91,7 +94,7 @@ pub fn from_file(path: &Path, environment: impl Fn(&str) -> Option<String>) -> R
         if sensible {
             Ok(Duration::from_secs_f64(seconds))
         } else {
-            Err(wrong(format!("timeout_s is {seconds}, not 0.001 to 3600")))
+            Err(wrong(format!("timeout_s is {}, not 0.001 to 3600", exact(seconds))))
         }
     };
     Ok(match settings {
@@ -111,6 +114,12 @@ pub fn from_file(path: &Path, environment: impl Fn(&str) -> Option<String>) -> R
                     None => return Err(SettingsError::NoKey { variable }),
                 },
             };
+            if !(0.0..=2.0).contains(&temperature) {
+                return Err(wrong(format!("temperature is {}, not 0 to 2", exact(temperature))));
+            }
+            if !(1..=MOST_ATTEMPTS).contains(&attempts) {
+                return Err(wrong(format!("attempts is {attempts}, not 1 to {MOST_ATTEMPTS}")));
+            }
             let http = Http::new(&url, &model, key, limit(timeout_s)?, attempts).map_err(wrong)?;
             Box::new(http.temperature(temperature))
         }

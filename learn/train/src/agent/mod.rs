@@ -136,12 +136,16 @@ impl Description {
         let invalid = |reason: String| AgentError::Invalid { folder: folder.to_owned(), file: DESCRIPTION, reason };
         let description: Self = toml::from_str(text).map_err(|error| invalid(format!("describes no agent: {error}")))?;
         let Shape { inputs, hidden, outputs, .. } = &description.network;
-        let observed: usize = description.observation.iter().map(|channel| channel.size).sum();
+        // Saturating: sizes may be any numbers.
+        let observed = description.observation.iter().fold(0, |all: usize, channel| all.saturating_add(channel.size));
         if observed != *inputs || hidden.iter().chain([outputs]).any(|size| !(1..=1 << 20).contains(size)) {
             return Err(invalid(format!("describes a network of {inputs} inputs for {observed} observed numbers")));
         }
         if !(description.clip.is_finite() && description.clip > 0.0) {
             return Err(invalid(format!("bounds observations by {}: expected a number greater than 0", description.clip)));
+        }
+        if let Some(wrong) = description.evaluation.and_then(|found| found.wrong()) {
+            return Err(invalid(format!("describes an evaluation {wrong}")));
         }
         if let Some(needed) = description.synergies.as_ref().map(Synergies::outputs).filter(|needed| needed != outputs) {
             return Err(invalid(format!("describes a network of {outputs} outputs for synergies that take {needed}")));

@@ -88,8 +88,8 @@ impl Synergies {
     /// Of the group of each entry; weights are 1.
     fn new(group: &[usize]) -> Self {
         let count = group.iter().max().map_or(0, |last| last + 1);
-        let first = |entry: usize| group[..entry].iter().all(|other| *other != group[entry]);
-        let free = (0..group.len()).map(|entry| if first(entry) { 0.0 } else { 1.0 }).collect();
+        let mut met = vec![false; count];
+        let free = group.iter().map(|group| if std::mem::replace(&mut met[*group], true) { 1.0 } else { 0.0 }).collect();
         Self { group: Arc::from(group), count, free, scale: 0.0, bound: 0.0 }
     }
 

@@ -4,7 +4,7 @@ use super::percent;
 use super::table::{Table, cut};
 use crate::{GroupSummary, Summary, TaskSummary};
 use core::fmt::Write;
-use msk_program::numbers::for_people;
+use msk_text::{in_one_line, numbers::for_people};
 
 /// Widest line: a terminal of the usual width shows it whole.
 const WIDTH: usize = 80;
@@ -18,7 +18,7 @@ pub fn comparison(summaries: &[Summary]) -> String {
     for (number, Summary { policy, protocol, .. }) in numbers.iter().zip(summaries) {
         let line = format!("{number} {policy}, {} episodes per task, seed {}", protocol.episodes, protocol.seed);
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{}", cut(&line, WIDTH));
+        let _ = writeln!(text, "{}", cut(&in_one_line(&line), WIDTH));
     }
     let mut head = vec!["task"];
     for number in &numbers {

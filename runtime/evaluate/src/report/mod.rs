@@ -7,11 +7,11 @@ mod table;
 
 pub use comparison::comparison;
 pub use overview::overview;
-pub use table::Table;
+pub use table::{Table, as_code, in_markdown};
 
 use super::{MetricSummary, Spread, Summary, TaskSummary, TermSummary};
 use core::fmt::Write;
-use msk_program::numbers::{exact, for_people};
+use msk_text::numbers::{exact, fixed, for_people};
 
 /// The whole report.
 pub fn markdown(summary: &Summary) -> String {
@@ -41,15 +41,15 @@ pub fn markdown(summary: &Summary) -> String {
     }
     for task in summary.tasks.iter().filter(|task| !task.terms.is_empty()) {
         // Writing to a string cannot fail.
-        let _ = write!(text, "\n## {}: reward terms\n\n", task.task);
+        let _ = write!(text, "\n## {}: reward terms\n\n", in_markdown(&task.task));
         text.push_str(&terms(&task.terms));
         if !task.weights_versions.is_empty() {
-            let versions = task.weights_versions.iter().map(|(version, count)| format!("{version} ({count})"));
+            let versions = task.weights_versions.iter().map(|(version, count)| format!("{} ({count})", in_markdown(version)));
             let _ = write!(text, "\nWeights while it ran (episodes): {}\n", versions.collect::<Vec<_>>().join(", "));
         }
     }
     for task in summary.tasks.iter().filter(|task| !task.metrics.is_empty()) {
-        let _ = write!(text, "\n## {}: metrics\n\n{}", task.task, metrics(&task.metrics));
+        let _ = write!(text, "\n## {}: metrics\n\n{}", in_markdown(&task.task), metrics(&task.metrics));
     }
     text.push_str(&standard::markdown(&summary.tasks));
     text.push_str(
@@ -77,10 +77,10 @@ fn faults(task: &TaskSummary, text: &mut String) {
     const SHOWN: usize = 3;
     for (episode, fault) in task.faults.iter().take(SHOWN) {
         // Writing to a string cannot fail.
-        let _ = write!(text, "\nFault in `{}`, episode {episode}: {fault}\n", task.task);
+        let _ = write!(text, "\nFault in {}, episode {episode}: {}\n", as_code(&task.task), in_markdown(fault));
     }
     if task.faults.len() > SHOWN {
-        let _ = write!(text, "\n... and {} more episodes of `{}`\n", task.faults.len() - SHOWN, task.task);
+        let _ = write!(text, "\n... and {} more episodes of {}\n", task.faults.len() - SHOWN, as_code(&task.task));
     }
 }
 
@@ -112,7 +112,7 @@ pub fn metrics(metrics: &[MetricSummary]) -> String {
 fn heading(summary: &Summary) -> String {
     let protocol = summary.protocol;
     let episodes = if protocol.episodes == 1 { "episode" } else { "episodes" };
-    format!("Policy `{}`, {} {episodes} per task, seed {}", summary.policy, protocol.episodes, protocol.seed)
+    format!("Policy {}, {} {episodes} per task, seed {}", as_code(&summary.policy), protocol.episodes, protocol.seed)
 }
 
 fn task_row(task: &TaskSummary, planned: u64, table: &mut Table) {
@@ -133,12 +133,12 @@ fn label(task: &TaskSummary, planned: u64) -> String {
 }
 
 fn success(task: &TaskSummary) -> String {
-    let [low, high] = task.success_interval.map(|bound| format!("{:.0}", 100.0 * bound));
-    task.success_rate.map_or("-".into(), |rate| format!("{:.0} % [{low}, {high}]", 100.0 * rate))
+    let [low, high] = task.success_interval.map(|bound| fixed(100.0 * bound, 0));
+    task.success_rate.map_or("-".into(), |rate| format!("{} % [{low}, {high}]", fixed(100.0 * rate, 0)))
 }
 
 fn percent(part: Option<f64>) -> String {
-    part.map_or("-".into(), |part| format!("{:.0} %", 100.0 * part))
+    part.map_or("-".into(), |part| format!("{} %", fixed(100.0 * part, 0)))
 }
 
 /// The `most` most frequent ends, and how many episodes ended otherwise.
@@ -155,7 +155,7 @@ fn term_row(term: &TermSummary) -> Vec<String> {
         exact(term.weight),
         number(term.value_per_step),
         number(term.pay_per_step),
-        term.share.map_or("-".into(), |share| format!("{:.2} %", 100.0 * share)),
+        term.share.map_or("-".into(), |share| format!("{} %", fixed(100.0 * share, 2))),
     ]
 }
 
@@ -167,8 +167,8 @@ fn spread(spread: Option<Spread>) -> String {
         return for_people(mean) + &deviation;
     }
     let decimals = usize::from(mean.abs() < 1000.0);
-    let deviation = deviation.map_or(String::new(), |deviation| format!(" ± {deviation:.decimals$}"));
-    format!("{mean:.decimals$}{deviation}")
+    let deviation = deviation.map_or(String::new(), |deviation| format!(" ± {}", fixed(deviation, decimals)));
+    format!("{}{deviation}", fixed(mean, decimals))
 }
 
 #[cfg(test)]

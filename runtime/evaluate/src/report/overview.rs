@@ -1,9 +1,10 @@
 //! The one table that an evaluation ends with: tasks by family, means, coverage.
 
-use super::table::{Table, cut};
+use super::table::{Table, as_code, cut};
 use super::{endings, label, percent, spread, success};
 use crate::{GroupSummary, Spread, Summary, TaskSummary};
 use core::fmt::Write;
+use msk_text::in_one_line;
 
 /// Widest line of the overview: a terminal of the usual width shows it whole.
 const WIDTH: usize = 80;
@@ -37,7 +38,11 @@ pub fn overview(summary: &Summary) -> String {
     for task in faulty.iter().take(FAULTS) {
         let [(episode, fault), ..] = task.faults.as_slice() else { continue };
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{}", cut(&format!("Fault in `{}`, episode {episode}: {fault}", task.task), WIDTH));
+        let _ = writeln!(
+            text,
+            "{}",
+            cut(&format!("Fault in {}, episode {episode}: {}", as_code(&task.task), in_one_line(fault)), WIDTH)
+        );
     }
     if faulty.len() > FAULTS {
         let _ = writeln!(text, "Faults in {} more tasks", faulty.len() - FAULTS);
@@ -56,7 +61,7 @@ pub(super) fn coverage(summary: &Summary) -> String {
         1 => ", 1 task skipped".to_owned(),
         skipped => format!(", {skipped} tasks skipped"),
     };
-    let planned = summary.protocol.episodes * tasks as u64;
+    let planned = summary.protocol.episodes.saturating_mul(tasks as u64);
     format!("Coverage: success in {successful} of {tasks} tasks; played: {episodes} of {planned} episodes{skipped}")
 }
 

@@ -2,7 +2,7 @@
 
 use super::Table;
 use crate::TaskSummary;
-use msk_program::numbers::for_people;
+use msk_text::numbers::{fixed, for_people};
 
 /// Columns of the first table: heads and metrics.
 const EFFORT: [(&str, &str); 6] = [
@@ -76,8 +76,10 @@ fn numbers(tasks: &[TaskSummary], columns: &[(&str, &str)]) -> Option<Table> {
 fn recruitment(tasks: &[TaskSummary]) -> Option<Table> {
     let tasks: Vec<&TaskSummary> = tasks.iter().filter(|task| !task.recruitment.is_empty()).collect();
     let first = tasks.first()?;
-    let cell = |mass: f64, share: f64| format!("{} ({:.0} %)", for_people(mass), 100.0 * share);
-    if tasks.len() <= BESIDE && tasks.iter().all(|task| task.recruitment.len() == first.recruitment.len()) {
+    let cell = |mass: f64, share: f64| format!("{} ({} %)", for_people(mass), fixed(100.0 * share, 0));
+    // Bodies may differ: rows are of one family each.
+    let names = |task: &TaskSummary| task.recruitment.iter().map(|family| family.name.clone()).collect::<Vec<_>>();
+    if tasks.len() <= BESIDE && tasks.iter().all(|task| names(task) == names(first)) {
         let head: Vec<&str> = ["family"].into_iter().chain(tasks.iter().map(|task| task.task.as_str())).collect();
         let mut table = Table::new(&head);
         for (place, family) in first.recruitment.iter().enumerate() {
@@ -90,7 +92,7 @@ fn recruitment(tasks: &[TaskSummary]) -> Option<Table> {
     for task in tasks {
         let mut families = task.recruitment.clone();
         families.sort_by(|a, b| b.mass.total_cmp(&a.mass));
-        let named = families.iter().map(|family| format!("{} {:.0} %", family.name, 100.0 * family.share));
+        let named = families.iter().map(|family| format!("{} {} %", family.name, fixed(100.0 * family.share, 0)));
         let cells = named.chain(std::iter::repeat(String::new())).take(NAMED);
         table.row([task.task.clone()].into_iter().chain(cells).collect());
     }

@@ -127,7 +127,7 @@ pub enum SessionError {
     #[error("decision {0} comes to another state when it is played again: its recorded hash differs")]
     Diverged(usize),
     /// An action cannot be held for so long.
-    #[error("{} s are {} control steps of `{task}`; an action is held for whole control steps", exact(*.seconds), exact(*.steps))]
+    #[error("{} s are {} control steps of `{task}`; an action is held for a whole number of control steps, from 1 to 1000000", exact(*.seconds), exact(*.steps))]
     Hold {
         /// As asked for, s.
         seconds: f64,

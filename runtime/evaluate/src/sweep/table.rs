@@ -1,23 +1,28 @@
 //! A sweep as tables, one for each axis.
 
 use super::{Axis, Robustness, Sweep};
-use crate::report::Table;
+use crate::report::{Table, as_code};
 use core::fmt::Write;
+use msk_text::numbers::{exact, fixed};
 
 fn percent(part: Option<f64>) -> String {
-    part.map_or("-".into(), |part| format!("{:.0}", 100.0 * part))
+    part.map_or("-".into(), |part| fixed(100.0 * part, 0))
 }
 
 fn area(area: Option<f64>) -> String {
-    area.map_or("-".into(), |area| format!("{area:.1}"))
+    area.map_or("-".into(), |area| fixed(area, 1))
 }
 
 /// The tables as Markdown: success in percent at every scale, and the area; at last the areas of all axes.
 pub fn markdown(sweep: &Sweep) -> String {
-    let mut text =
-        format!("# Robustness of `{}`: {} episodes per task and scale, seed {}\n", sweep.policy, sweep.episodes, sweep.seed);
+    let mut text = format!(
+        "# Robustness of {}: {} episodes per task and scale, seed {}\n",
+        as_code(&sweep.policy),
+        sweep.episodes,
+        sweep.seed
+    );
     for (place, (axis, scales)) in sweep.axes.iter().enumerate() {
-        let heads: Vec<String> = scales.iter().map(f64::to_string).collect();
+        let heads: Vec<String> = scales.iter().copied().map(exact).collect();
         let mut head = vec!["task"];
         head.extend(heads.iter().map(String::as_str));
         head.push("area");

@@ -8,7 +8,7 @@
 //! layout = json.loads(archive["trace.json"])
 //! ```
 
-use super::{Layout, Origin, Trace};
+use super::{Layout, Origin, Quantity, Trace};
 use crate::npz::{NpzReader, NpzWriter};
 use msk_runtime::inspect::{Excitations, ExcitationsError};
 use serde::{Deserialize, Serialize};
@@ -20,6 +20,8 @@ use zip::result::ZipError;
 pub const MOST_BYTES: u64 = 4 << 30;
 /// Largest description that is read, bytes.
 const MOST_TEXT: u64 = 64 << 20;
+/// Most rows: the reset, and the steps of the largest horizon that a task may have.
+const MOST_ROWS: usize = 100_000_001;
 /// Largest header of an array that is read, bytes.
 const MOST_HEADER: u64 = 1 << 16;
 const DESCRIPTION: &str = "trace.json";
@@ -40,6 +42,9 @@ pub enum ArchiveError {
     /// Another format.
     #[error("has the format `{0}`, expected `msk trace 1`: it was written by another version of the program")]
     Format(String),
+    /// Columns that no trace has.
+    #[error("is not a trace: its layout {0}")]
+    Layout(String),
     /// An array that does not fit its description.
     #[error("its array `{name}` {reason}")]
     Array {
@@ -104,6 +109,12 @@ impl Trace {
         if description.format != FORMAT {
             return Err(ArchiveError::Format(description.format));
         }
+        if let Some(wrong) = description.layout.wrong() {
+            return Err(ArchiveError::Layout(wrong));
+        }
+        if description.rows > MOST_ROWS {
+            return Err(ArchiveError::Large(description.rows));
+        }
         let mut trace = Self { origin: description.origin, rows: description.rows, ..Self::new(Arc::new(description.layout)) };
         let layout = Arc::clone(&trace.layout);
         for (place, block) in layout.blocks.iter().enumerate() {
@@ -113,7 +124,12 @@ impl Trace {
             let size = size.ok_or(ArchiveError::Large(expected))?;
             let array = archive.entry(&format!("{name}.npy"), size + MOST_HEADER)?;
             let damaged = |reason| ArchiveError::Array { name: name.to_owned(), reason };
-            let read = Excitations::from_npy(&array, width).map_err(damaged)?;
+            // Where a task follows nothing there is no error.
+            let read = match block.quantity {
+                Quantity::TrackingError => Excitations::with_gaps_from_npy(&array, width),
+                _ => Excitations::from_npy(&array, width),
+            };
+            let read = read.map_err(damaged)?;
             if read.rows() != expected {
                 return Err(ArchiveError::Rows { name: name.to_owned(), expected, found: read.rows() });
             }

@@ -5,6 +5,7 @@ use msk_physics::model::{JointKind, Model};
 use msk_program::vocabulary::GroupKind;
 use msk_runtime::body::Body;
 use msk_runtime::episode::Engine;
+use msk_text::numbers::exact;
 use serde::{Deserialize, Serialize};
 
 /// A column.
@@ -210,6 +211,31 @@ impl Layout {
             muscles,
             feet,
         }
+    }
+
+    /// Why a file that says so is no layout, in words that continue "its layout": what reads a trace counts on all of this.
+    pub(super) fn wrong(&self) -> Option<String> {
+        if !(self.period > 0.0 && self.period.is_finite()) {
+            return Some(format!("has a control step of {} s", exact(self.period)));
+        }
+        for (place, block) in self.blocks.iter().enumerate() {
+            let (name, found) = (block.quantity.name(), block.columns.len());
+            if self.place(block.quantity) != Some(place) {
+                return Some(format!("has `{name}` twice"));
+            }
+            let expected = match block.quantity {
+                Quantity::Excitations | Quantity::Activations | Quantity::MuscleForces => self.muscles.len(),
+                Quantity::GroundReactions => 7 * self.feet.len(),
+                Quantity::Feet => 3 * self.feet.len(),
+                Quantity::CenterOfMass => 3,
+                Quantity::MetabolicPower | Quantity::TrackingError | Quantity::Rewards => 1,
+                _ => found,
+            };
+            if found != expected || found == 0 {
+                return Some(format!("has {found} columns of `{name}`, expected {}", expected.max(1)));
+            }
+        }
+        None
     }
 
     /// The block of a quantity; `None` if it is not among the columns, or has none.

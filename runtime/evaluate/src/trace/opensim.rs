@@ -7,7 +7,7 @@
 use super::{Quantity, Trace};
 use core::fmt::Write;
 use msk_physics::scalar::Real;
-use msk_program::numbers::exact;
+use msk_text::{in_one_line, numbers::exact};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 /// A file.
@@ -44,10 +44,10 @@ fn table(trace: &Trace, name: &str, degrees: bool, columns: Vec<String>, rows: V
     let _ = write!(
         text,
         "{}_{name}\nversion=1\nnRows={}\nnColumns={width}\ninDegrees={in_degrees}\nendheader\ntime",
-        trace.origin.task,
+        in_one_line(&trace.origin.task),
         rows.len()
     );
-    columns.iter().for_each(|column| text.extend(["\t", column]));
+    columns.iter().for_each(|column| text.extend(["\t", &in_one_line(column)]));
     text.push('\n');
     for (time, row) in trace.times().into_iter().zip(rows) {
         text.push_str(&exact(time));

@@ -75,6 +75,20 @@ fn an_archive_reads_back_and_has_the_same_bytes() {
 }
 
 #[test]
+fn a_trace_of_steps_that_follow_nothing_reads_back() {
+    let mut trace = trace();
+    let column = Column { name: "landmarks".into(), unit: "m".into() };
+    let block = Block { quantity: Quantity::TrackingError, columns: vec![column] };
+    Arc::make_mut(&mut trace.layout).blocks.insert(3, block);
+    trace.blocks.insert(3, vec![0.5, f64::NAN, 0.25, f64::NAN]);
+    let read = |trace: &Trace| Trace::read(&trace.archive().unwrap());
+    let found = read(&trace).unwrap().column(Quantity::TrackingError, 0).unwrap();
+    assert_eq!(found.iter().map(|error| error.is_nan()).collect::<Vec<_>>(), [false, true, false, true]);
+    trace.blocks[3][0] = f64::INFINITY;
+    assert!(read(&trace).unwrap_err().to_string().contains("is inf, which is not a finite number"));
+}
+
+#[test]
 fn an_archive_of_something_else_is_refused() {
     let trace = trace();
     let error = |change: &dyn Fn(&mut Trace)| {
@@ -84,6 +98,21 @@ fn an_archive_of_something_else_is_refused() {
     };
     let nan = error(&|trace| trace.blocks[0][0] = f64::NAN);
     assert_eq!(nan, "its array `activations` row 0, column 0 (from 0) is NaN, which is not a finite number");
+    let layout = |change: &dyn Fn(&mut Layout)| error(&|trace| change(Arc::make_mut(&mut trace.layout)));
+    let fewer = layout(&|layout| drop(layout.muscles.pop()));
+    assert_eq!(fewer, "is not a trace: its layout has 2 columns of `activations`, expected 1");
+    let feet = layout(&|layout| layout.feet.push("g".into()));
+    assert_eq!(feet, "is not a trace: its layout has 7 columns of `ground_reactions`, expected 14");
+    let twice = layout(&|layout| layout.blocks[3].quantity = Quantity::Positions);
+    assert_eq!(twice, "is not a trace: its layout has `positions` twice");
+    assert_eq!(layout(&|layout| layout.period = 0.0), "is not a trace: its layout has a control step of 0 s");
+    let bytes = trace.archive().unwrap();
+    let description = crate::npz::NpzReader::new(&bytes).unwrap().entry("trace.json", 1 << 20).unwrap();
+    let description = String::from_utf8(description).unwrap().replace("\"rows\": 4", "\"rows\": 1000000000000");
+    let mut endless = crate::npz::NpzWriter::new(std::io::Cursor::new(Vec::new()));
+    endless.file("trace.json", description.as_bytes()).unwrap();
+    let endless = Trace::read(&endless.finish().unwrap().into_inner()).unwrap_err().to_string();
+    assert_eq!(endless, "it describes 1000000000000 rows, more than are read");
     let mut large = trace.clone();
     large.blocks.iter_mut().for_each(Vec::clear);
     large.rows = 0;
@@ -127,6 +156,16 @@ fn opensim_reads_angles_in_degrees_and_y_up() {
     0	1	700	-2	0.1	0	-0.2	0	3	0
     ");
     assert_eq!(files.len(), 3);
+}
+
+#[test]
+fn names_of_a_hostile_trace_stay_in_their_cells() {
+    let mut trace = trace();
+    trace.origin.task = "toy\nendheader".into();
+    Arc::make_mut(&mut trace.layout).blocks[0].columns[0].name = "a\tb\u{1b}[2J".into();
+    let text = &opensim(&trace)[0].text;
+    assert!(text.starts_with("toy\\nendheader_activations.sto\nversion=1\n"), "{text}");
+    assert!(text.contains("\ntime\ta\\tb\\u001b[2J\tgmax_l\n"), "{text}");
 }
 
 #[test]

@@ -8,6 +8,7 @@ use crate::anatomy::Anatomy;
 use crate::shapes::Shape;
 use msk_physics::kinematics::{self, Kinematics};
 use msk_physics::{State, rotation};
+use msk_program::numbers::fixed;
 use msk_runtime::body::sensors::Snapshot;
 use msk_runtime::condition::Compartments;
 use msk_runtime::episode::{Environment, EpisodeKey};
@@ -231,7 +232,7 @@ impl Renderer {
             let (from, direction) = (single(&(moment / weight)), single(&(force / size)));
             let length = (size / self.anatomy.weight) as f32 * ARROW;
             solids.push(along(Form::Arrow, from, direction, 0.018, length, Paint::Arrow));
-            labels.push(Label { at: from + direction * length, text: format!("{size:.0} N"), paint: Paint::Arrow });
+            labels.push(Label { at: from + direction * length, text: format!("{} N", fixed(size, 0)), paint: Paint::Arrow });
         }
     }
 

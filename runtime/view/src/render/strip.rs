@@ -2,6 +2,7 @@
 
 use super::label::{height, outlined};
 use super::{Options, Picture, PictureError, Scene};
+use msk_program::numbers::fixed;
 
 /// Scenes that are kept at most until an episode has ended.
 const KEPT: usize = 512;
@@ -75,7 +76,7 @@ pub fn film_strip(scenes: &[&Scene], options: &Options) -> Result<Picture, Pictu
         let mut picture = scene.render(&frame)?;
         let size = height(&picture) as i64;
         let at = [size / 2, i64::from(frame.height) - 3 * size / 2];
-        outlined(&mut picture, &format!("{:.2} s", scene.time), at, colours.ink, colours.sky);
+        outlined(&mut picture, &format!("{} s", fixed(scene.time, 2)), at, colours.ink, colours.sky);
         film.paste(&picture, [place % columns * (frame.width + GAP), place / columns * (frame.height + GAP)]);
     }
     Ok(film)

@@ -6,6 +6,9 @@ const DIGITS: i32 = 4;
 /// Powers of ten within which a number is a plain decimal for a reader.
 const PLAIN: std::ops::Range<i32> = -4..5;
 
+/// From this size on a number with decimals is longer than columns are.
+const LONGEST: f64 = 1e9;
+
 /// A number for people, of at most four significant digits: `0.0313`, `-12.5`, `4.5e-6`, `1.2e5`; the whole part of a number
 /// below a hundred thousand is never cut.
 pub fn for_people(value: f64) -> String {
@@ -25,6 +28,12 @@ pub fn for_people(value: f64) -> String {
     }
     let decimals = (DIGITS - 1 - power).clamp(0, 9) as usize;
     trimmed(&format!("{value:.decimals$}")).to_owned()
+}
+
+/// A number with so many decimals, as in the column of a table; a number [for people](for_people) where that would be a row of digits.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    // Minus nothing is nothing to a reader.
+    if value.abs() < LONGEST { format!("{:.decimals$}", value + 0.0) } else { for_people(value) }
 }
 
 /// Numbers for people that differ to the eye where they differ: with as many digits as that takes.
@@ -72,6 +81,13 @@ mod tests {
         let expected = ["0.03125", "4.5e-6", "1.2e5", "12346", "-12.5", "0.3", "1e308", "0", "100", "1", "1e5", "0.0002"];
         assert_eq!(shown, expected);
         assert_eq!([f64::INFINITY, f64::NEG_INFINITY, f64::NAN].map(for_people), ["inf", "-inf", "NaN"]);
+    }
+
+    #[test]
+    fn columns_have_decimals_and_no_rows_of_digits() {
+        let shown = [(38.0, 1), (-0.0, 0), (0.125, 2), (999_999_999.4, 0), (1e9, 0), (-3.5e300, 2), (f64::INFINITY, 1)];
+        let expected = ["38.0", "0", "0.12", "999999999", "1e9", "-3.5e300", "inf"];
+        assert_eq!(shown.map(|(value, decimals)| fixed(value, decimals)), expected);
     }
 
     #[test]
