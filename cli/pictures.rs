@@ -51,10 +51,13 @@ fn colouring(name: &str) -> Result<Colouring, String> {
     by_name(name, &Colouring::NAMED)
 }
 
+/// Later than any episode lasts, s.
+const LATEST: f64 = 1e9;
+
 /// `1.2`, `1.2s`, `1.2 s`.
 fn seconds(text: &str) -> Result<f64, String> {
     let number = text.strip_suffix('s').unwrap_or(text).trim_end();
-    let value = number.parse().ok().filter(|value: &f64| value.is_finite() && *value >= 0.0);
+    let value = number.parse().ok().filter(|value: &f64| (0.0..=LATEST).contains(value));
     value.ok_or_else(|| format!("`{text}` is no time: write a number of seconds, such as 1.2 or \"1.2 s\""))
 }
 

@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn a_stream_shows_what_would_act() {
         let mut stream = Printable(Vec::new());
-        write!(stream, "{}\n\u{e9}", "a\u{9b}2Jb").unwrap();
+        write!(stream, "a\u{9b}2Jb\n\u{e9}").unwrap();
         stream.diagnostics("\u{1b}[1mx").unwrap();
         assert_eq!(String::from_utf8(stream.0).unwrap(), "a\\u009b2Jb\n\u{e9}\u{1b}[1mx");
     }

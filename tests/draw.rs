@@ -53,7 +53,7 @@ fn a_state_shows_activations_and_the_forces_of_the_ground() {
 fn what_cannot_be_drawn_is_reported_in_one_message() {
     assert!(complaint(&["--body", "nobody"]).starts_with("error: there is no body `nobody`"));
     assert!(complaint(&["--pose", "lotus"]).contains("it has: neutral"));
-    assert!(complaint(&["--activation", "2"]).contains("between 0 and 1"));
+    assert!(complaint(&["--activation", "2"]).contains("is not a number from 0 to 1"));
     assert!(complaint(&["--state", "missing.json"]).starts_with("error: cannot read missing.json"));
     assert!(complaint(&["--out", "missing/folder/human.svg"]).starts_with("error: cannot write `missing/folder/human.svg`"));
 }

@@ -201,7 +201,7 @@ fn hostile_names_stay_text_in_every_format() {
     let done = project.msk(&["report", label, &format!("{label}2"), "--out", "report", "--title", "a\u{1b}[2J\nb"]).succeeded();
     assert!(!done.out.contains('\u{1b}'), "{}", done.out);
     for file in ["report.html", "report.md", "report.csv", "report.tex", "paper.md", "paper.csv", "paper.tex"] {
-        let text = project.read(&format!("report/{file}"));
+        let text = project.read(format!("report/{file}"));
         let acts = |letter: char| (letter.is_control() && letter != '\n') || letter == '\u{202e}';
         assert!(!text.contains(acts), "{file}: {text}");
         assert!(!text.contains(&"0".repeat(200)), "{file} has rows of digits");

@@ -8,7 +8,7 @@
 //!   plane is clip(m - ν, low, high), where the ν that meets the sum is found exactly, piece by piece.
 
 use super::Bounds;
-use crate::extremes::{maximum, minimum};
+use crate::extremes::{between, maximum, minimum};
 use crate::numbers::for_people;
 
 /// What a change must keep to.
@@ -163,7 +163,7 @@ struct Size {
 
 impl Size {
     fn at(&self, shift: f64) -> f64 {
-        (self.wished - shift).clamp(self.low, self.high)
+        between(self.wished - shift, self.low, self.high)
     }
 }
 

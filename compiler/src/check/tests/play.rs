@@ -8,6 +8,7 @@ use super::{Draft, Key};
 use crate::check::context::{Checked, Checker, Reported};
 use crate::check::dimension::Dimension;
 use crate::diagnostics::codes;
+use crate::extremes::between;
 use crate::graph::NodeId;
 use crate::init::{Following, Parts, Path, Start};
 use crate::motion::{Motion, RootPart, problems};
@@ -125,7 +126,7 @@ impl<'a> Checker<'a> {
                     _ => 1.0,
                 };
                 // As many steps as reach the end.
-                (rest * motion.duration / self.timing.interval - 1e-9).ceil().clamp(0.0, 1e7) as u32
+                between((rest * motion.duration / self.timing.interval - 1e-9).ceil(), 0.0, 1e7) as u32
             }
         };
         if steps > 0 {

@@ -115,8 +115,8 @@ impl Table {
     }
 }
 
-fn count(text: &String) -> usize {
-    text.chars().count()
+fn count(text: impl AsRef<str>) -> usize {
+    text.as_ref().chars().count()
 }
 
 /// A text in Markdown that is shown as it is: `|` separates no cells, and neither elements of HTML nor links and pictures, which a reader
