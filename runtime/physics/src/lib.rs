@@ -76,7 +76,7 @@ pub use plan::Plan;
 pub use single::{excite, forward, integrate, motion, smooth, step, step_by_stage, unconstrained};
 pub use state::State;
 pub use stepping::STAGES;
-pub use tendons::{each_moment_arm, moment_arm, moment_arms, moment_dofs};
+pub use tendons::{MomentPlan, each_moment_arm, moment_arm, moment_arms, moment_dofs};
 pub use workspace::Workspace;
 
 /// The example of the README, compiled and run.

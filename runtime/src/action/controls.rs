@@ -49,7 +49,7 @@ impl Controls {
         muscles: &mut [f64],
     ) -> Result<(), ControlError> {
         let taken = self.begin(context, entries, control)?;
-        self.state.allocate(control);
+        self.state.allocate(&context.moment().present, control);
         self.finish(taken, context, control, muscles);
         Ok(())
     }

@@ -15,7 +15,7 @@ pub(crate) use excitation::action as action_for;
 pub use excitation::{REST, excitation};
 
 use crate::body::Body;
-use crate::cmc::{Along, ControlError, ControlScratch, Moment, Offsets, Tracker};
+use crate::cmc::{Along, ControlError, ControlScratch, Moment, Offsets, Present, Tracker};
 use base::Base;
 use delay::Delay;
 use msk_physics::scalar::Real;
@@ -185,9 +185,9 @@ impl ActionState {
     }
 
     /// Shares out the forces that its controller has asked for.
-    pub fn allocate(&mut self, control: &mut ControlMemory) {
+    pub fn allocate(&mut self, present: &Present<'_>, control: &mut ControlMemory) {
         if let (Some(tracker), Some(scratch)) = (&mut self.tracker, control.get_mut()) {
-            tracker.allocate(scratch);
+            tracker.allocate(present, scratch);
         }
     }
 

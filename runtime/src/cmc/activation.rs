@@ -38,7 +38,7 @@ pub(crate) enum Lead {
 
 /// The root is bracketed until the activation is known this well.
 const TOLERANCE: f64 = 1e-7;
-/// False position with halving (Illinois) gains about one and a half digits a time.
+/// Three are usual, nine with time constants that are forty times apart.
 const ITERATIONS: usize = 40;
 
 impl Hold {
@@ -59,31 +59,73 @@ impl Hold {
         present
     }
 
-    /// The excitation within `range` that ends at `wanted`, or comes nearest to it.
+    /// How much the activation at the end rises per excitation, near an excitation that equals `activation`: for falling, then for rising.
+    /// Exact without a smooth transition between the two.
     #[inline(always)]
-    fn excitation<T: Real>(self, activation: T, wanted: T, range: [f64; 2], constants: &[f64; 3]) -> T {
-        let (zero, half) = (T::splat(0.0), T::splat(0.5));
-        let miss = |excitation: T| self.activation(activation, excitation, constants) - wanted;
+    fn slopes<T: Real>(self, activation: T, [rise, fall, _]: &[f64; 3]) -> [T; 2] {
+        let (one, step) = (T::splat(1.0), T::splat(self.timestep));
+        let pace = T::splat(0.5) + T::splat(1.5) * activation.clip(T::splat(0.0), one);
+        let mut left = [one; 2];
+        let stays = [one - step * pace / T::splat(*fall), one - step / (T::splat(*rise) * pace)];
+        for _ in 0..self.steps {
+            left = [left[0] * stays[0], left[1] * stays[1]];
+        }
+        left.map(
+            #[inline(always)]
+            |left| one - left,
+        )
+    }
+
+    /// The excitation within `range` that ends at `wanted`, or comes nearest to it. `reach` are the activations at the end under the
+    /// bounds of the range.
+    ///
+    /// An excitation that equals the activation keeps it; from there on both ways the inverse of A is interpolated from that point, the
+    /// slope there and what the bound reaches, then from the point so found as well (Newton's divided differences with a double node). Two or
+    /// three points are enough; where they are not, false position goes on within the bracket (Dowell & Jarratt, BIT 11, 1971).
+    #[inline(always)]
+    fn excitation<T: Real>(self, activation: T, wanted: T, range: [f64; 2], reach: [T; 2], constants: &[f64; 3]) -> T {
+        let (zero, half, tolerance) = (T::splat(0.0), T::splat(0.5), T::splat(TOLERANCE));
         let [mut low, mut high] = range.map(T::splat);
         // Holding the present activation changes nothing, and parts rising from falling, where the time constant jumps.
         let (still, falls) = (activation.clip(low, high), wanted.less(activation));
+        let stays = T::select(activation.less(low), reach[0], T::select(high.less(activation), reach[1], activation));
+        let slope = self.slopes(activation, constants);
+        let slope = T::select(falls, slope[0], slope[1]);
+        let bound = [T::select(falls, low, high) - still, T::select(falls, reach[0], reach[1]) - stays];
         (low, high) = (T::select(falls, low, still), T::select(falls, still, high));
-        let (mut below, mut above) = (miss(low), miss(high));
+        let mut below = T::select(falls, reach[0], stays) - wanted;
+        let mut above = T::select(falls, stays, reach[1]) - wanted;
         let (out_low, out_high) = (T::not(below.less(zero)), T::not(zero.less(above)));
         let mut found = T::select(out_low, low, high);
         let mut done = T::or(out_low, out_high);
-        for _ in 0..ITERATIONS {
+
+        let inverse = T::splat(1.0) / slope;
+        let bend = (bound[0] - bound[1] * inverse) / bound[1].squared();
+        let goal = wanted - stays;
+        let mut next = still + goal * (inverse + bend * goal);
+        let mut was_under = done;
+        for taken in 0..ITERATIONS {
             if T::all(done) {
                 return found;
             }
-            let middle = (low * above - high * below) / (above - below);
-            let missed = miss(middle);
-            let hit = T::not(T::splat(TOLERANCE).less(missed.abs()));
-            found = T::select(done, found, middle);
-            done = T::or(done, hit);
+            let inside = T::and(low.less(next), next.less(high));
+            let point = T::select(inside, next, (low * above - high * below) / (above - below));
+            let missed = self.activation(activation, point, constants) - wanted;
+            found = T::select(done, found, point);
+            done = T::or(done, T::not(tolerance.less(missed.abs())));
             let under = missed.less(zero);
-            (low, high) = (T::select(under, middle, low), T::select(under, high, middle));
-            (below, above) = (T::select(under, missed, half * below), T::select(under, half * above, missed));
+            // The end that stays for the second time counts half, so that it is left.
+            let again = T::or(T::and(under, was_under), T::not(T::or(under, was_under)));
+            let share = if taken > 0 { T::select(again, half, T::splat(1.0)) } else { T::splat(1.0) };
+            (low, high) = (T::select(under, point, low), T::select(under, high, point));
+            (below, above) = (T::select(under, missed, share * below), T::select(under, share * above, missed));
+            was_under = under;
+            next = (low * above - high * below) / (above - below);
+            if taken == 0 {
+                let (x, y) = (point - still, missed + goal);
+                let third = (x - y * (inverse + bend * y)) / (y.squared() * (y - bound[1]));
+                next = still + goal * (inverse + goal * (bend + third * (goal - bound[1])));
+            }
         }
         T::select(done, found, half * (low + high))
     }
@@ -136,10 +178,18 @@ impl Muscles {
         Instructions::default().run(Reach { muscles: self, hold, activations, excitations, out });
     }
 
-    /// Replaces for each muscle the wanted activation by the excitation within `range` that leads there from `activations`.
-    pub fn excitations(&self, lead: Lead, hold: Hold, activations: &[f64], range: [f64; 2], wanted: &mut [f64]) {
+    /// Replaces for each muscle the wanted activation by the excitation within `range` that leads there from `activations`. `reach` is
+    /// what [`reach`](Self::reach) gives for the bounds of the range.
+    pub fn excitations(
+        &self,
+        lead: Lead,
+        hold: Hold,
+        activations: &[f64],
+        (range, reach): ([f64; 2], &[[f64; 2]]),
+        wanted: &mut [f64],
+    ) {
         match lead {
-            Lead::Exact => Instructions::default().run(Excite { muscles: self, hold, activations, range, wanted }),
+            Lead::Exact => Instructions::default().run(Excite { muscles: self, hold, activations, range, reach, wanted }),
             Lead::Smooth => self.lead_smoothly(activations, range, wanted),
         }
     }
@@ -202,6 +252,7 @@ struct Excite<'a> {
     hold: Hold,
     activations: &'a [f64],
     range: [f64; 2],
+    reach: &'a [[f64; 2]],
     wanted: &'a mut [f64],
 }
 
@@ -214,7 +265,9 @@ impl LaneWork for Excite<'_> {
         for group in &self.muscles.groups {
             let wanted = &mut self.wanted[group.places.clone()];
             let (present, goal) = (group.present(self.activations), gather(wanted.iter().copied()));
-            let found = hold.excitation(present, goal, self.range, &group.constants);
+            let reach = &self.reach[group.places.clone()];
+            let reach = [0, 1].map(|bound| gather(reach.iter().map(|reach| reach[bound])));
+            let found = hold.excitation(present, goal, self.range, reach, &group.constants);
             for (lane, wanted) in wanted.iter_mut().enumerate() {
                 *wanted = found.lane(lane);
             }
@@ -257,7 +310,7 @@ mod tests {
         ) {
             let [low, high] = [0.0, 1.0].map(|u| HOLD.activation(start, u, &constants));
             let wanted = low + share * (high - low);
-            let excitation = HOLD.excitation(start, wanted, [0.0, 1.0], &constants);
+            let excitation = HOLD.excitation(start, wanted, [0.0, 1.0], [low, high], &constants);
             prop_assert!((HOLD.activation(start, excitation, &constants) - wanted).abs() < 1e-6);
         }
 
@@ -272,19 +325,19 @@ mod tests {
             let muscles = Muscles { groups: groups.collect() };
             let (mut reach, mut found) = (vec![[0.0; 2]; 19], wishes.clone());
             muscles.reach(HOLD, &starts, [0.1, 0.9], &mut reach);
-            muscles.excitations(Lead::Exact, HOLD, &starts, [0.1, 0.9], &mut found);
+            muscles.excitations(Lead::Exact, HOLD, &starts, ([0.1, 0.9], &reach), &mut found);
             for muscle in 0..19 {
                 let alone = [0.1, 0.9].map(|bound| HOLD.activation(starts[muscle], bound, &constants));
                 prop_assert_eq!(reach[muscle], alone);
-                prop_assert_eq!(found[muscle], HOLD.excitation(starts[muscle], wishes[muscle], [0.1, 0.9], &constants));
+                prop_assert_eq!(found[muscle], HOLD.excitation(starts[muscle], wishes[muscle], [0.1, 0.9], alone, &constants));
             }
         }
 
         #[test]
         fn a_wanted_activation_out_of_reach_gives_the_nearest_bound(start in 0.0..1.0, constants in muscle()) {
             let [low, high] = [0.1, 0.9].map(|u| HOLD.activation(start, u, &constants));
-            prop_assert_eq!(HOLD.excitation(start, low - 0.01, [0.1, 0.9], &constants), 0.1);
-            prop_assert_eq!(HOLD.excitation(start, high + 0.01, [0.1, 0.9], &constants), 0.9);
+            let found = |wanted: f64| HOLD.excitation(start, wanted, [0.1, 0.9], [low, high], &constants);
+            prop_assert_eq!([found(low - 0.01), found(high + 0.01)], [0.1, 0.9]);
         }
 
         #[test]
@@ -294,7 +347,7 @@ mod tests {
             let muscles = Muscles { groups: vec![Group { activations: vec![0], places: 0..1, constants }] };
             let led = |wanted: f64| -> f64 {
                 let mut found = [wanted];
-                muscles.excitations(Lead::Smooth, HOLD, &[start], [0.0, 1.0], &mut found);
+                muscles.excitations(Lead::Smooth, HOLD, &[start], ([0.0, 1.0], &[]), &mut found);
                 found[0]
             };
             prop_assert_eq!(led(start), start);

@@ -6,20 +6,26 @@
 
 use msk_physics::State;
 use msk_physics::model::Model;
+use msk_physics::scalar::Real;
 
-/// The map from independent coordinates to all degrees of freedom at one state.
+/// Which independent coordinate moves each degree of freedom of a model.
 #[derive(Debug, Clone)]
 pub(super) struct Coordinates {
     /// The dof of each independent coordinate.
     pub dofs: Vec<usize>,
     /// The independent coordinate that moves each dof; `None` for a dof that is held still.
     column: Vec<Option<usize>>,
-    /// The one entry of each row of P.
-    slope: Vec<f64>,
-    /// d, acceleration of each dof at constant independent velocities.
-    pub drift: Vec<f64>,
     /// Couplings, leaders before followers.
     order: Vec<usize>,
+}
+
+/// How fast each degree of freedom moves with its independent coordinate, at one state.
+#[derive(Debug, Clone)]
+pub(super) struct Slopes<T> {
+    /// The one entry of each row of P.
+    slope: Vec<T>,
+    /// d, acceleration of each dof at constant independent velocities.
+    pub drift: Vec<T>,
 }
 
 impl Coordinates {
@@ -52,8 +58,7 @@ impl Coordinates {
             order.extend(now);
             waiting = later;
         }
-        let slope = column.iter().map(|column| if column.is_some() { 1.0 } else { 0.0 }).collect();
-        Self { dofs, column, slope, drift: vec![0.0; model.nv], order }
+        Self { dofs, column, order }
     }
 
     /// Number of independent coordinates.
@@ -61,34 +66,53 @@ impl Coordinates {
         self.dofs.len()
     }
 
+    /// The independent coordinate that moves `dof`.
+    #[inline(always)]
+    pub fn of(&self, dof: usize) -> Option<usize> {
+        self.column[dof]
+    }
+}
+
+impl<T: Real> Slopes<T> {
+    /// Those of dofs that follow no other; [`update`](Self::update) fills the rest.
+    pub fn new(coordinates: &Coordinates) -> Self {
+        let slope = coordinates.column.iter().map(|column| T::splat(if column.is_some() { 1.0 } else { 0.0 }));
+        Self { slope: slope.collect(), drift: vec![T::splat(0.0); coordinates.column.len()] }
+    }
+
     /// Fills slopes and drift at `state`.
-    pub fn update(&mut self, model: &Model, state: &State<f64>) {
+    #[inline(always)]
+    pub fn update(&mut self, coordinates: &Coordinates, model: &Model, state: &State<T>) {
         let (couplings, joints) = (&model.couplings, &model.joints);
-        for &coupling in &self.order {
+        for &coupling in &coordinates.order {
             let Some(leader) = couplings.leader[coupling] else { continue };
             let (address, lead) = (joints.position_address[leader], joints.dof_address[leader]);
-            let x = state.position[address] - model.reference_position[address];
+            let x = state.position[address] - T::splat(model.reference_position[address]);
             let speed = state.velocity[lead];
             let [_, c1, c2, c3, c4] = couplings.polynomial[coupling];
-            let first = c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * 4.0 * c4));
-            let second = 2.0 * c2 + x * (6.0 * c3 + x * 12.0 * c4);
+            let [two, three, four, six, twelve] = [2.0, 3.0, 4.0, 6.0, 12.0].map(T::splat);
+            let [c1, c2, c3, c4] = [c1, c2, c3, c4].map(T::splat);
+            let first = c1 + x * (two * c2 + x * (three * c3 + x * four * c4));
+            let second = two * c2 + x * (six * c3 + x * twelve * c4);
             let follower = joints.dof_address[couplings.joint[coupling]];
             self.slope[follower] = first * self.slope[lead];
             self.drift[follower] = first * self.drift[lead] + second * speed * speed;
         }
     }
 
-    /// The independent coordinate that moves `dof` and the dof's velocity per unit of that coordinate's.
-    pub fn entry(&self, dof: usize) -> Option<(usize, f64)> {
-        self.column[dof].map(|column| (column, self.slope[dof]))
+    /// The velocity of `dof` per unit of that of its independent coordinate.
+    #[inline(always)]
+    pub fn of(&self, dof: usize) -> T {
+        self.slope[dof]
     }
 
     /// `out` = P' `full`: generalised forces of all dofs as seen by the independent coordinates.
-    pub fn project(&self, full: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
+    #[inline(always)]
+    pub fn project(&self, coordinates: &Coordinates, full: &[T], out: &mut [T]) {
+        out.fill(T::splat(0.0));
         for (dof, &force) in full.iter().enumerate() {
-            if let Some((column, slope)) = self.entry(dof) {
-                out[column] += slope * force;
+            if let Some(column) = coordinates.of(dof) {
+                out[column] += self.slope[dof] * force;
             }
         }
     }
@@ -114,7 +138,7 @@ mod tests {
     #[test]
     fn a_chain_of_couplings_moves_with_its_first_leader() {
         let model = Model::from_mjcf(CHAIN).unwrap();
-        let mut coordinates = Coordinates::new(&model);
+        let coordinates = Coordinates::new(&model);
         assert_eq!(coordinates.dofs, [2]);
         let at = |c: f64| {
             let b = polynomial([0.5, 1.0, -2.0, 3.0, 0.25], c);
@@ -127,12 +151,13 @@ mod tests {
         for dof in 0..4 {
             state.velocity[dof] = (after[dof] - before[dof]) / (2.0 * step);
         }
-        coordinates.update(&model, &state);
+        let mut slopes = Slopes::new(&coordinates);
+        slopes.update(&coordinates, &model, &state);
         for dof in 0..4 {
-            let velocity = coordinates.entry(dof).map_or(0.0, |(_, slope)| slope * rate);
+            let velocity = slopes.of(dof) * rate;
             let acceleration = (after[dof] - 2.0 * now[dof] + before[dof]) / (step * step);
             assert!((velocity - state.velocity[dof]).abs() < 1e-6, "dof {dof}: velocity {velocity}");
-            assert!((coordinates.drift[dof] - acceleration).abs() < 1e-5, "dof {dof}: {acceleration}");
+            assert!((slopes.drift[dof] - acceleration).abs() < 1e-5, "dof {dof}: {acceleration}");
         }
     }
 }

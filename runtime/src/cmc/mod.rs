@@ -8,12 +8,15 @@
 //!    upright, the centre of mass over the feet, the feet at rest. Where the task follows a reference motion, towards where that
 //!    is at the end of the hold, and as fast (`goal`): joints, root, centre of mass; only those points of the feet rest that
 //!    stand in the motion, too;
+//!    What it wishes for (`wishes`) is plain numbers; the accelerations are a `compromise`;
 //! 2. `dynamics`: the force that this takes, (P'M P + T D) ẇ + load, damping taken implicitly over the step;
 //! 3. `support`: the points of the feet near the ground, each with a friction pyramid of possible forces, so that weight and
 //!    centre of pressure are shared between the feet by the optimisation itself and never leave them;
 //! 4. `allocation`: muscle activations and contact forces that come nearest to the required force at least effort. The
 //!    activations are bounded by what each muscle can reach within the step, so the optimum is always reachable;
 //! 5. `activation`: the excitation that brings each muscle there, or leads it there smoothly, from which the action follows.
+//!
+//! What takes time of it, from the compromise to the activations, is a [`share`](share::Share) of one episode or of eight in lanes.
 //!
 //! What it knows of a body is its landmarks `feet`, its joints and its muscles. What it does not know: the forces of joint
 //! limits and of contacts other than the feet's, the slow terms J̇v of points, and any disturbance; feedback answers for those.
@@ -23,18 +26,21 @@
 
 mod activation;
 mod allocation;
+mod compromise;
 mod coordinates;
 mod dynamics;
 mod feedback;
 mod goal;
 mod group;
+mod motion;
 mod offsets;
 mod scratch;
+mod share;
 mod support;
-mod symmetric;
 #[cfg(test)]
 mod tests;
 mod tracking;
+mod wishes;
 
 pub(crate) use activation::Lead;
 pub(crate) use group::{AllocationGroup, Asking};
@@ -46,7 +52,6 @@ use crate::body::{Body, OutOfReach};
 use activation::Hold;
 use allocation::{Effort, Memory};
 use coordinates::Coordinates;
-use dynamics::Motion;
 use feedback::Feedback;
 use goal::{Course, Follower};
 use msk_physics::model::Model;
@@ -121,16 +126,19 @@ pub(crate) struct Present<'a> {
 /// One moment of an episode, as the parts of the controller see it.
 #[derive(Clone, Copy)]
 struct View<'a> {
-    model: &'a Model,
     state: &'a State<f64>,
     /// Forward pass of the state.
     workspace: &'a Workspace<f64>,
-    /// Up to date with the state.
     coordinates: &'a Coordinates,
-    /// Velocities of the independent coordinates.
-    velocities: &'a [f64],
     /// T, how long the forces will be held, s.
     hold: f64,
+}
+
+impl View<'_> {
+    /// The common centre of mass of a body and all that hangs on it, m.
+    fn com(&self, body: usize) -> Vector3<f64> {
+        self.workspace.kinematics.subtree_com[body]
+    }
 }
 
 /// The controller of one episode: what a later action depends on.
@@ -200,43 +208,31 @@ impl Controller {
     /// Asks for the forces of control step `step`, for targets that are moved by `offsets`: they are then to be shared out.
     fn ask(&mut self, present: &Present<'_>, step: u32, offsets: &Offsets, scratch: &mut ControlScratch) {
         let &Present { body, model, state, workspace } = present;
-        scratch.coordinates.update(model, state);
-        for (velocity, &dof) in scratch.velocities.iter_mut().zip(&scratch.coordinates.dofs) {
-            *velocity = state.velocity[dof];
-        }
-        let (coordinates, velocities) = (&scratch.coordinates, scratch.velocities.as_slice());
-        let view = View { model, state, workspace, coordinates, velocities, hold: self.hold.duration() };
-
+        let ControlScratch { coordinates, wishes, muscles, reach, workspace: posed, .. } = scratch;
+        let view = View { state, workspace, coordinates, hold: self.hold.duration() };
         self.support.update(model, &workspace.kinematics);
         self.offset += (view.hold / LEAN_TIME).at_most(1.0) * (self.final_offset - self.offset);
         let target = self.support.centre().map(|centre| centre + self.offset);
-        let near = |point: &&Point| point.height < CONTACT_HEIGHT;
-        let bearing: Vec<Point> = self.support.points.iter().filter(near).copied().collect();
-        let feet: Vec<Motion> = bearing.iter().map(|point| Motion::of_point(&view, point)).collect();
-
-        let compromise = &mut scratch.compromise;
+        let near = |point: &Point| point.height < CONTACT_HEIGHT;
+        let points = &self.support.points;
         match &mut self.course {
             Some((follower, since)) => {
-                follower.advance(step.saturating_sub(*since), present, &mut scratch.workspace);
-                let rests = self.support.points.iter().zip(&follower.goal.rests).filter(|(point, _)| near(point));
-                let standing: Vec<Motion> =
-                    rests.zip(&feet).filter(|((_, rests), _)| **rests).map(|(_, motion)| motion.clone()).collect();
-                self.feedback.towards(&view, body, (&standing, &follower.goal), offsets, compromise);
+                follower.advance(step.saturating_sub(*since), present, posed);
+                let goal = &follower.goal;
+                let feet = points.iter().copied().zip(goal.rests.iter().copied()).filter(|(point, _)| near(point));
+                self.feedback.follow(&view, body, (feet, goal), offsets, wishes);
             }
-            None => self.feedback.accelerations(&view, body, (&feet, target), offsets, compromise),
+            None => self.feedback.hold(&view, body, (points.iter().copied().filter(near), target), offsets, wishes),
         }
-        scratch.dynamics.update(&view);
-        scratch.dynamics.required_force(&scratch.compromise.wanted, &mut scratch.wanted);
-        let range = activation::excitation_range(body.excitation);
-        scratch.muscles.reach(self.hold, &state.activation, range, &mut scratch.reach);
-        scratch.pose_problem(&bearing, &feet);
+        muscles.reach(self.hold, &state.activation, activation::excitation_range(body.excitation), reach);
     }
 
     /// Writes the action that gives the muscles' share.
     fn give(&self, present: &Present<'_>, scratch: &mut ControlScratch, action: &mut [f64]) {
         let &Present { body, state, .. } = present;
-        let ControlScratch { muscles, asked, .. } = scratch;
-        muscles.excitations(self.lead, self.hold, &state.activation, activation::excitation_range(body.excitation), asked);
+        let ControlScratch { muscles, reach, asked, .. } = scratch;
+        let range = activation::excitation_range(body.excitation);
+        muscles.excitations(self.lead, self.hold, &state.activation, (range, reach), asked);
         for (action, &excitation) in action.iter_mut().zip(&*asked) {
             *action = activation::action(body.excitation, excitation);
         }

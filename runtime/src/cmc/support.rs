@@ -56,6 +56,14 @@ impl Support {
         }
     }
 
+    /// The bodies that carry the shapes of all feet, ascending.
+    pub fn carriers(&self, model: &Model) -> Vec<usize> {
+        let mut bodies: Vec<usize> = self.feet.iter().flatten().map(|&(shape, _)| model.geoms.body[shape]).collect();
+        bodies.sort_unstable();
+        bodies.dedup();
+        bodies
+    }
+
     /// Keeps the feet that the body stands on.
     pub fn choose_stance(&mut self, model: &Model, kinematics: &Kinematics<f64>) {
         let feet = core::mem::take(&mut self.feet);

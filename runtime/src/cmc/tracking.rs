@@ -2,7 +2,6 @@
 //! or the pose of the initial state.
 
 use super::activation::{Hold, Lead};
-use super::allocation::Effort;
 use super::goal::Course;
 use super::{ControlError, ControlScratch, Controller, Offsets, Present};
 use crate::script::Script;
@@ -99,9 +98,9 @@ impl Tracker {
     }
 
     /// Shares the forces out that have been asked for.
-    pub fn allocate(&mut self, scratch: &mut ControlScratch) {
+    pub fn allocate(&mut self, present: &Present<'_>, scratch: &mut ControlScratch) {
         if let Some(controller) = &mut self.controller {
-            scratch.allocate(controller.effort, &mut controller.memory);
+            scratch.allocate(present, controller);
         }
     }
 
@@ -112,9 +111,9 @@ impl Tracker {
         }
     }
 
-    /// How closely its forces are shared out.
-    pub(super) fn effort(&self) -> Option<Effort> {
-        self.controller.as_ref().map(|controller| controller.effort)
+    /// How its actions are held.
+    pub(super) fn hold(&self) -> Option<Hold> {
+        self.controller.as_ref().map(|controller| controller.hold)
     }
 
     pub(super) fn controller_mut(&mut self) -> Option<&mut Controller> {

@@ -1,6 +1,6 @@
 //! Controls of several episodes act together, in the lanes of a group.
 
-use super::together::allocate;
+use super::together::{Request, allocate};
 use super::{Engine, Episode, GroupScratch};
 use crate::action::{Controls, Taken};
 use crate::cmc::ControlError;
@@ -26,7 +26,7 @@ pub struct Controlled<'a> {
 impl GroupScratch {
     /// Writes the actions of all members, each in a lane of its own. Gives for each why it has none, if so.
     pub fn control(&mut self, members: &mut [Controlled<'_>]) -> Vec<Result<(), ControlError>> {
-        let Self { forces, lanes, .. } = self;
+        let Self { group, forces, lanes, .. } = self;
         let taken: Vec<Result<Taken, ControlError>> = members
             .iter_mut()
             .map(|member| {
@@ -39,7 +39,11 @@ impl GroupScratch {
             })
             .collect();
         let asking = members.iter_mut().zip(&taken).filter(|(_, taken)| **taken == Ok(Taken::AskingForces));
-        allocate(forces, lanes, asking.filter_map(|(member, _)| Some((member.lane, member.controls.tracker_mut()?))));
+        let asking = asking.filter_map(|(member, _)| {
+            let Controlled { lane, engine, episode, controls, .. } = member;
+            Some(Request { lane: *lane, engine, state: &episode.state, tracker: controls.tracker_mut()? })
+        });
+        allocate(forces, group.as_mut(), lanes, asking);
         let finish = |(member, taken): (&mut Controlled<'_>, Result<Taken, ControlError>)| {
             let taken = taken?;
             let scratch = &mut lanes[member.lane];

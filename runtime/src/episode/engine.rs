@@ -41,10 +41,13 @@ pub struct Engine {
 pub struct Scratch {
     /// Of the engines that it can serve.
     model: Arc<Model>,
+    body: Arc<Body>,
     pub(super) workspace: Workspace<f64>,
     /// The state whose whole forward pass `workspace` holds.
     passed: State<f64>,
     holds: bool,
+    /// Whether the lane of its group holds the same.
+    pub(super) in_lane: bool,
     pub(super) control: ControlMemory,
 }
 
@@ -58,11 +61,13 @@ impl Scratch {
     pub(super) fn note(&mut self, state: &State<f64>) {
         self.passed.copy_from(state);
         self.holds = true;
+        self.in_lane = false;
     }
 
     /// Notes that the forward pass is of no state that an episode goes on from.
     pub(super) fn forget(&mut self) {
         self.holds = false;
+        self.in_lane = false;
     }
 
     /// Passes forward, unless that has been done.
@@ -115,8 +120,15 @@ impl Engine {
 
     /// Memory for a worker.
     pub fn scratch(&self) -> Scratch {
-        let (model, workspace) = (Arc::clone(&self.model), Workspace::of(&self.model, &self.plan));
-        Scratch { model, workspace, passed: State::new(&self.model), holds: false, control: ControlMemory::default() }
+        Scratch {
+            model: Arc::clone(&self.model),
+            body: Arc::clone(&self.body),
+            workspace: Workspace::of(&self.model, &self.plan),
+            passed: State::new(&self.model),
+            holds: false,
+            in_lane: false,
+            control: ControlMemory::default(),
+        }
     }
 
     /// Memory for an episode, which must be [`reset`](Self::reset) before it is played.
@@ -211,7 +223,7 @@ impl Engine {
     }
 
     pub(super) fn serves(&self, scratch: &Scratch) -> bool {
-        Arc::ptr_eq(&scratch.model, &self.model)
+        Arc::ptr_eq(&scratch.model, &self.model) && Arc::ptr_eq(&scratch.body, &self.body)
     }
 
     pub(super) fn player<'a>(&'a self, episode: &'a mut Episode, weights: &'a [f64], scratch: &'a mut Scratch) -> Player<'a> {

@@ -295,7 +295,10 @@ impl Player<'_> {
 
     /// Shares out the forces that the action has asked for.
     pub fn allocate(&mut self) {
-        self.episode.action.allocate(&mut self.scratch.control);
+        let mut state = std::mem::take(&mut self.episode.action);
+        let mut control = std::mem::take(&mut self.scratch.control);
+        state.allocate(&self.moment().present, &mut control);
+        (self.episode.action, self.scratch.control) = (state, control);
     }
 
     /// Sets the excitations and torques that the action asks for which has been taken.

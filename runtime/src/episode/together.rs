@@ -2,7 +2,7 @@
 
 use super::{Engine, Episode, EpisodeKey, Fault, Player, Scratch};
 use crate::action::{Action, Taken};
-use crate::cmc::{AllocationGroup, Asking, Tracker};
+use crate::cmc::{AllocationGroup, Asking, Present, Tracker};
 use msk_physics::lanes::WIDTH;
 use msk_physics::{LaneGroup, Parts, Rates, State, Workspace};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct GroupScratch {
     /// None for a model whose integrator takes episodes one by one.
-    group: Option<LaneGroup>,
+    pub(super) group: Option<LaneGroup>,
     /// For controllers of action spaces.
     pub(super) forces: AllocationGroup,
     /// What each lane would need alone: sensors and policies read the forward pass there.
@@ -61,12 +61,12 @@ impl Engine {
         }
     }
 
-    /// Whether the two play on one model, so that scratch of one serves the other.
+    /// Whether the two play on one model and body, so that scratch of one serves the other.
     pub(super) fn shares_model(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.model, &other.model)
+        Arc::ptr_eq(&self.model, &other.model) && Arc::ptr_eq(&self.body, &other.body)
     }
 
-    /// Whether the two can play their episodes together: on one model, with steps of one length.
+    /// Whether the two can play their episodes together: on one model and body, with steps of one length.
     pub fn goes_with(&self, other: &Self) -> bool {
         self.shares_model(other) && self.substeps == other.substeps
     }
@@ -191,6 +191,7 @@ impl Seat<'_> {
             true => scratch.note(&self.member.episode.state),
             false => scratch.forget(),
         }
+        scratch.in_lane = whole;
         let released = self.player(scratch).conclude()?;
         if released {
             *self.member.rates = None;
@@ -220,6 +221,8 @@ impl Together<'_> {
             episodes[seat.lane] = seat.member.rates.as_ref().map(|rates| (&seat.member.episode.state, rates));
         }
         self.group.load(&episodes);
+        // From here on the lanes hold the forward passes of states that come to be.
+        self.lanes.iter_mut().for_each(|scratch| scratch.in_lane = false);
         self.group.excite();
         for _ in 0..substeps {
             self.group.integrate();
@@ -250,8 +253,11 @@ impl Together<'_> {
     /// Shares out the forces that actions have asked for.
     fn allocate(&mut self, seats: &mut [Option<Seat<'_>>]) {
         let asking = seats.iter_mut().flatten().filter(|seat| seat.taken == Taken::AskingForces);
-        let asking = asking.filter_map(|seat| Some((seat.lane, seat.member.episode.action.tracker_mut()?)));
-        allocate(self.forces, self.lanes, asking);
+        let asking = asking.filter_map(|seat| {
+            let Episode { action, state, .. } = &mut *seat.member.episode;
+            Some(Request { lane: seat.lane, engine: seat.member.engine, state, tracker: action.tracker_mut()? })
+        });
+        allocate(self.forces, Some(self.group), self.lanes, asking);
     }
 
     /// Moves forces from outside along with the bodies on which they act.
@@ -290,12 +296,26 @@ impl Together<'_> {
     }
 }
 
+/// A tracker that has asked for forces, of an episode whose forward pass is in a lane's scratch.
+pub(super) struct Request<'a> {
+    pub lane: usize,
+    pub engine: &'a Engine,
+    pub state: &'a State<f64>,
+    pub tracker: &'a mut Tracker,
+}
+
 /// Shares out the forces that trackers have asked for, each with the memory of another lane.
 pub(super) fn allocate<'a>(
     forces: &mut AllocationGroup,
+    group: Option<&mut LaneGroup>,
     lanes: &mut [Scratch],
-    asking: impl Iterator<Item = (usize, &'a mut Tracker)>,
+    requests: impl Iterator<Item = Request<'a>>,
 ) {
-    let mut controls: Vec<_> = lanes.iter_mut().map(|scratch| scratch.control.get_mut()).collect();
-    forces.allocate(asking.filter_map(|(lane, tracker)| Some(Asking { lane, tracker, scratch: controls[lane].take()? })));
+    let mut places: Vec<Option<&mut Scratch>> = lanes.iter_mut().map(Some).collect();
+    let asking = |Request { lane, engine, state, tracker }: Request<'a>| {
+        let Scratch { workspace, control, in_lane, .. } = places[lane].take()?;
+        let present = Present { body: &engine.body, model: &engine.model, state, workspace };
+        Some(Asking { lane, tracker, scratch: control.get_mut()?, present, held: in_lane })
+    };
+    forces.allocate(group, &mut requests.filter_map(asking).collect::<Vec<_>>());
 }

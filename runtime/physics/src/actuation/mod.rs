@@ -63,6 +63,8 @@ one_lane!(Actuation {
 #[derive(Debug)]
 pub(crate) struct Plan {
     muscles: Vec<PlainMuscle>,
+    /// For each actuator its place among these, if it is one.
+    place: Vec<Option<usize>>,
     others: Vec<Other>,
     /// Whether some other is on a tendon.
     pulls: bool,
@@ -126,6 +128,7 @@ impl<T: Real> Actuation<T> {
 
     /// How much the pull of the muscle `actuator` at full activation weakens per velocity of shortening, N s/m: the slope of
     /// its force-velocity curve at the present length and velocity, never negative; zero for what is no muscle. On request.
+    #[inline(always)]
     pub fn active_damping(&self, state: &State<T>, actuator: usize) -> T {
         let (length, velocity) = (self.length[actuator], self.velocity[actuator]);
         self.curve(actuator).map_or(T::splat(0.0), |active| state.strength[actuator] * active.damping(length, velocity))
@@ -136,9 +139,9 @@ impl<T: Real> Actuation<T> {
         self.plan.others.is_empty()
     }
 
+    #[inline(always)]
     fn curve(&self, actuator: usize) -> Option<&Curve> {
-        let index = self.plan.muscles.binary_search_by_key(&actuator, |muscle| muscle.actuator).ok()?;
-        Some(&self.plan.muscles[index].active)
+        Some(&self.plan.muscles[self.plan.place[actuator]?].active)
     }
 
     /// Peak isometric force of the muscle `actuator`, N; zero for what is no muscle.
@@ -148,6 +151,7 @@ impl<T: Real> Actuation<T> {
 
     /// Active force at full activation of the muscle `actuator` if its fibre kept its present length, N, never negative; zero for what is
     /// no muscle. On request.
+    #[inline(always)]
     pub fn isometric_force(&self, state: &State<T>, actuator: usize) -> T {
         let path = self.fibre_length(actuator) + T::splat(self.lengths(actuator).1);
         let force = |active: &Curve| active.gain(path, T::splat(0.0)) * state.strength[actuator];
@@ -161,6 +165,7 @@ impl<T: Real> Actuation<T> {
     }
 
     /// Length of the fibre of a muscle, m: the state of an elastic muscle, the path less the tendon's length in a rigid one.
+    #[inline(always)]
     pub fn fibre_length(&self, actuator: usize) -> T {
         match &self.fibres {
             Some(fibres) => fibres.length[actuator],
@@ -208,6 +213,7 @@ impl Plan {
         let mut sides: Vec<(usize, f64)> = Vec::new();
         let mut plan = Self {
             muscles: Vec::new(),
+            place: vec![None; actuators.name.len()],
             others: Vec::new(),
             pulls: false,
             clamped: Vec::new(),
@@ -219,6 +225,7 @@ impl Plan {
             let (length_range, scale) = (actuators.length_range[actuator], actuators.acceleration_scale[actuator]);
             let unclamped = actuators.force_range[actuator].is_none() && actuators.activation_range[actuator].is_none();
             if let Some(muscle) = actuators.muscle(actuator).filter(|_| unclamped && !actuators.actearly[actuator]) {
+                plan.place[actuator] = Some(plan.muscles.len());
                 plan.muscles.push(PlainMuscle {
                     actuator,
                     activation: muscle.activation,

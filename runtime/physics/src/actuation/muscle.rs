@@ -35,6 +35,9 @@ pub struct Curve {
     /// Scaled length = scale * path length + offset.
     scale: f64,
     offset: f64,
+    /// Optimal fibre length and tendon slack length, m.
+    optimal: f64,
+    slack: f64,
     /// One over the maximal shortening velocity of the path, s/m.
     velocity_scale: f64,
     /// Scaled lengths between which the muscle is active, and half-way from either to the optimum.
@@ -45,6 +48,10 @@ pub struct Curve {
     /// Active force at the fastest lengthening, passive force half-way to the longest, in units of F0.
     lengthening_peak: f64,
     passive_peak: f64,
+    /// One over the distance from the shortest to the ascending length, from there to the optimum, from that to the descending one, from
+    /// there to the longest; and over the velocity, beyond zero, at which that peak is reached.
+    inverse: [f64; 4],
+    inverse_knee: f64,
 }
 
 impl Curve {
@@ -53,24 +60,30 @@ impl Curve {
         let [low, high, force, force_scale, shortest, longest, fastest, passive_peak, lengthening_peak] = *figures;
         let optimal = (length_range[1] - length_range[0]) / (high - low).at_least(MINIMUM);
         let scale = 1.0 / optimal.at_least(MINIMUM);
+        let offset = low - length_range[0] * scale;
+        let (ascending, descending) = (0.5 * (shortest + 1.0), 0.5 * (1.0 + longest));
+        let inverse = |distance: f64| 1.0 / distance.at_least(MINIMUM);
         Self {
             peak: if force < 0.0 { force_scale / acceleration_scale.at_least(MINIMUM) } else { force },
             scale,
-            offset: low - length_range[0] * scale,
+            offset,
+            optimal: 1.0 / scale,
+            slack: -offset * (1.0 / scale),
             velocity_scale: 1.0 / (optimal * fastest).at_least(MINIMUM),
             shortest,
-            ascending: 0.5 * (shortest + 1.0),
-            descending: 0.5 * (1.0 + longest),
+            ascending,
+            descending,
             longest,
             lengthening_peak,
             passive_peak,
+            inverse: [ascending - shortest, 1.0 - ascending, descending - 1.0, longest - descending].map(inverse),
+            inverse_knee: inverse(lengthening_peak - 1.0),
         }
     }
 
     /// Optimal fibre length and tendon slack length, m.
     pub fn lengths(&self) -> (f64, f64) {
-        let optimal = 1.0 / self.scale;
-        (optimal, -self.offset * optimal)
+        (self.optimal, self.slack)
     }
 
     /// Peak isometric force, N.
@@ -104,7 +117,7 @@ impl Curve {
     pub fn slope_by_velocity<T: Real>(&self, velocity: T) -> T {
         let (zero, one, two) = (T::splat(0.0), T::splat(1.0), T::splat(2.0));
         let knee = self.lengthening_peak - 1.0;
-        let lengthening = two * (T::splat(knee) - velocity).at_least(zero) * T::splat(1.0 / knee.at_least(MINIMUM));
+        let lengthening = two * (T::splat(knee) - velocity).at_least(zero) * T::splat(self.inverse_knee);
         let shortening = two * (velocity + one).at_least(zero);
         T::select(zero.less(velocity), lengthening, shortening)
     }
@@ -113,11 +126,11 @@ impl Curve {
     #[inline(always)]
     pub fn active_by_length<T: Real>(&self, length: T) -> T {
         let (one, half) = (T::splat(1.0), T::splat(0.5));
-        let share = |from: f64, to: f64| (length - T::splat(from)) * T::splat(1.0 / (to - from).at_least(MINIMUM));
-        let rising = share(self.shortest, self.ascending);
-        let falling = (T::splat(self.longest) - length) * T::splat(1.0 / (self.longest - self.descending).at_least(MINIMUM));
-        let below = (one - length) * T::splat(1.0 / (1.0 - self.ascending).at_least(MINIMUM));
-        let above = share(1.0, self.descending);
+        let [from_shortest, to_optimum, from_optimum, to_longest] = self.inverse.map(T::splat);
+        let rising = (length - T::splat(self.shortest)) * from_shortest;
+        let falling = (T::splat(self.longest) - length) * to_longest;
+        let below = (one - length) * to_optimum;
+        let above = (length - one) * from_optimum;
         let top = |x: T| one - half * x * x;
         let foot = |x: T| half * x * x;
         let mut value = foot(falling);
@@ -135,7 +148,7 @@ impl Curve {
         let peak = T::splat(self.lengthening_peak);
         let knee = self.lengthening_peak - 1.0;
         let slower = T::splat(knee) - velocity;
-        let lengthening = peak - slower * slower * T::splat(1.0 / knee.at_least(MINIMUM));
+        let lengthening = peak - slower * slower * T::splat(self.inverse_knee);
         let shortening = (velocity + one) * (velocity + one);
         let mut value = T::select(T::splat(knee).less(velocity), peak, lengthening);
         value = T::select(zero.less(velocity), value, shortening);
@@ -158,7 +171,7 @@ impl Curve {
     #[inline(always)]
     fn stretch<T: Real>(&self, length: T) -> T {
         let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
-        let inverse = T::splat(1.0 / (self.descending - 1.0).at_least(MINIMUM));
+        let inverse = T::splat(self.inverse[2]);
         let curve = (length - one) * inverse;
         let line = (length - T::splat(self.descending)) * inverse;
         let value = T::select(T::splat(self.descending).less(length), half + line, half * curve * curve);

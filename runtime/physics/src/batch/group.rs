@@ -129,6 +129,21 @@ impl LaneGroup {
         self.faults = Default::default();
     }
 
+    /// Puts the forward pass of a state into a lane, for those who look at [all lanes](Self::passes) before the next step. After a step
+    /// each lane holds that of its own new state.
+    pub fn hold(&mut self, lane: usize, state: &State<f64>, workspace: &Workspace<f64>) {
+        state.write_lane(&mut self.state, lane);
+        macro_rules! write {
+            ($($field:ident),*) => {$(workspace.$field.write_lane(&mut self.workspace.$field, lane);)*};
+        }
+        write!(kinematics, inertia, tendons, actuation, forces);
+    }
+
+    /// The states of all lanes and their forward passes, but for constraints.
+    pub fn passes(&self) -> (&State<Lanes>, &Workspace<Lanes>) {
+        (&self.state, &self.workspace)
+    }
+
     /// Fills the rates of activations from the present controls: after [`load`](Self::load), before the first step.
     pub fn excite(&mut self) {
         smooth::excite(&self.model, &self.state, &mut self.workspace);

@@ -24,8 +24,8 @@ pub(crate) enum Curves {
     /// With the factor and offset that turn a length scaled for the active curve into one scaled for the passive curve: the
     /// two parts of a model's muscle may have different figures.
     Model {
-        active: Curve,
-        passive: Curve,
+        active: Box<Curve>,
+        passive: Box<Curve>,
         scale: [f64; 2],
     },
 }

@@ -122,7 +122,7 @@ fn unit(
             FibreCurves::Model => {
                 let (own, begin) = passive.lengths();
                 let scale = [optimal / own, (slack - begin) / own];
-                Curves::Model { active: active.clone(), passive: passive.clone(), scale }
+                Curves::Model { active: Box::new(active.clone()), passive: Box::new(passive.clone()), scale }
             }
         },
     }

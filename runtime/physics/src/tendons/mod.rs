@@ -9,6 +9,7 @@
 //!
 //! both in spatial vectors. A sweep up the tree turns the gathered pulls into generalised forces, which is J'f without J.
 
+mod moments;
 mod path;
 mod plan;
 mod wrap;
@@ -27,6 +28,7 @@ pub(crate) use plan::Plan;
 use plan::{Segment, Side, Wrap};
 use std::sync::Arc;
 
+pub use moments::MomentPlan;
 pub use path::{PathVertex, VertexKind, path};
 pub use wrap::{WrapPath, WrapShape, WrappingSurface, bend};
 

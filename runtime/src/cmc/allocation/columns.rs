@@ -22,6 +22,7 @@ impl<T> Default for Columns<T> {
 
 impl<T: Real> Columns<T> {
     /// Forgets all columns but the first `count`.
+    #[inline(always)]
     pub fn truncate(&mut self, count: usize) {
         self.start.truncate(count + 1);
         let entries = self.start[count];
@@ -29,12 +30,8 @@ impl<T: Real> Columns<T> {
         self.value.truncate(entries);
     }
 
-    /// Number of columns.
-    pub fn count(&self) -> usize {
-        self.start.len() - 1
-    }
-
     /// Appends a column of (row, value) entries, rows ascending.
+    #[inline(always)]
     pub fn push(&mut self, entries: impl Iterator<Item = (usize, T)>) {
         for (row, value) in entries {
             self.row.push(row);
@@ -50,18 +47,10 @@ impl<T: Real> Columns<T> {
         (&self.row[range.clone()], &self.value[range])
     }
 
-    /// Appends a column with entries where a column of `other` has them, all zero.
-    pub fn push_zeros(&mut self, other: &Columns<f64>, column: usize) {
-        let (rows, _) = other.column(column);
-        self.push(rows.iter().map(|&row| (row, T::splat(0.0))));
-    }
-
-    /// Copies `count` columns, from a column of `other` on, into a lane of those from `first` on, which have entries in the same places.
-    pub fn copy_lane(&mut self, lane: usize, first: usize, (other, from): (&Columns<f64>, usize), count: usize) {
-        let values = &other.value[other.start[from]..other.start[from + count]];
-        for (own, &value) in self.value[self.start[first]..self.start[first + count]].iter_mut().zip(values) {
-            own.set_lane(lane, value);
-        }
+    /// Values of a column, to be replaced.
+    #[inline(always)]
+    pub fn values_mut(&mut self, column: usize) -> &mut [T] {
+        &mut self.value[self.start[column]..self.start[column + 1]]
     }
 
     /// The scalar product of a column with a dense vector.

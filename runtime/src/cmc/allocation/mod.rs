@@ -11,15 +11,13 @@
 //!
 //! W⁻¹ and the squares of the columns have entries only between coordinates on one path of the body's tree, or of one that its muscles have
 //! made longer, so a factorisation takes a tenth of a dense one. All is written over [`Real`]: with lanes every operation serves
-//! the problems of several episodes ([`together`]).
+//! the problems of several episodes.
 
 mod columns;
 mod interior;
 mod newton;
-mod together;
 
 pub(super) use columns::Columns;
-pub(super) use together::{Member, Slot, Together};
 
 use interior::{Interior, Target};
 use msk_physics::Instructions;
@@ -134,16 +132,17 @@ impl<T: Real> Allocation<T> {
         }
     }
 
-    /// Fills `x`, from the multiplier on; gives the lanes whose answer has the tolerance of the effort.
-    fn search(&mut self, problem: &Problem<'_, T>, effort: Effort) -> T::Mask {
+    /// Fills `x`, from the multiplier on, in the lanes `among` all; gives the lanes whose answer has the tolerance of the effort.
+    pub fn search(&mut self, problem: &Problem<'_, T>, effort: Effort, among: T::Mask) -> T::Mask {
         let Effort { tolerance, first, target, last } = effort;
         self.x.clear();
         self.x.resize(problem.unknowns.len(), T::splat(0.0));
         let [zero, one, patience] = [0.0, 1.0, PATIENCE].map(T::splat);
         let waited = zero.less(self.wait);
-        let found = self.newton(problem, tolerance, first, T::not(waited));
-        let left = T::not(found);
-        self.wait = T::select(found, zero, T::select(waited, self.wait - one, patience));
+        let found = self.newton(problem, tolerance, first, T::and(among, T::not(waited)));
+        let left = T::and(among, T::not(found));
+        let wait = T::select(found, zero, T::select(waited, self.wait - one, patience));
+        self.wait = T::select(among, wait, self.wait);
         if !T::any(left) {
             return found;
         }
@@ -158,22 +157,19 @@ impl<T: Real> Allocation<T> {
         Instructions::default().run(Search { newton, problem, tolerance, most, tries, multiplier, x })
     }
 
-    /// Begins all lanes at rest.
-    fn forget(&mut self) {
-        self.multiplier.fill(T::splat(0.0));
-        self.wait = T::splat(0.0);
-    }
-
     /// Begins a lane where `memory` has ended.
-    fn recall(&mut self, lane: usize, memory: &Memory) {
+    pub fn recall(&mut self, lane: usize, memory: &Memory) {
         for (own, &value) in self.multiplier.iter_mut().zip(&memory.multiplier) {
             own.set_lane(lane, value);
         }
         self.wait.set_lane(lane, memory.wait);
     }
 
-    /// Ends a lane.
-    fn remember(&self, lane: usize, memory: &mut Memory) {
+    /// Ends a lane, whose first unknowns are written to `out`.
+    pub fn remember(&self, lane: usize, memory: &mut Memory, out: &mut [f64]) {
+        for (out, x) in out.iter_mut().zip(&self.x) {
+            *out = x.lane(lane);
+        }
         for (value, own) in memory.multiplier.iter_mut().zip(&self.multiplier) {
             *value = own.lane(lane);
         }
@@ -182,16 +178,6 @@ impl<T: Real> Allocation<T> {
         if !memory.multiplier.iter().all(|value| value.is_finite()) {
             memory.multiplier.fill(0.0);
         }
-    }
-}
-
-impl Allocation<f64> {
-    /// Shares out one problem; gives the unknowns, and whether they are the answer.
-    pub fn solve(&mut self, problem: &Problem<'_, f64>, effort: Effort, memory: &mut Memory) -> (&[f64], bool) {
-        self.recall(0, memory);
-        let found = self.search(problem, effort);
-        self.remember(0, memory);
-        (&self.x, found)
     }
 }
 

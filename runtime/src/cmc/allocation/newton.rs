@@ -5,7 +5,7 @@
 //! > F(y) = W⁻¹ y + A x(y) - b = 0,
 //!
 //! the gradient of a convex, once differentiable function. Newton's method on it with the generalised Hessian
-//! W⁻¹ + Σ aᵢ aᵢ' / rᵢ over the columns between their bounds, and an exact line search on the piecewise linear derivative,
+//! W⁻¹ + Σ aᵢ aᵢ' / rᵢ over the columns between their bounds, and a line search on the piecewise linear derivative,
 //! ends after finitely many steps (Qi & Sun, Math. Programming 58, 1993; Li & Swetits, SIAM J. Optim. 7, 1997). From the
 //! previous control step's y it usually takes three to six.
 
@@ -81,10 +81,15 @@ impl<T: Real> Newton<T> {
         pattern.layout().solve(&self.hessian, &mut self.direction);
     }
 
-    /// The length in (0, 1] at which the dual's derivative along the direction vanishes. It is piecewise linear and rises.
+    /// A length in (0, 1] at which the dual's derivative along the direction nearly vanishes. It is piecewise linear and rises.
     #[inline(always)]
     fn line_search(&mut self, problem: &Problem<'_, T>, multiplier: &[T]) -> T {
         let Problem { pattern, inertia, columns, unknowns, wanted, .. } = *problem;
+        let mut falls = T::splat(0.0);
+        for (&gradient, &direction) in self.gradient.iter().zip(&self.direction) {
+            T::apart();
+            falls += gradient * direction;
+        }
         pattern.layout().multiply(inertia, &self.direction, &mut self.gradient);
         let mut start = T::splat(0.0);
         let mut curvature = T::splat(0.0);
@@ -96,7 +101,7 @@ impl<T: Real> Newton<T> {
         for (index, unknown) in unknowns.iter().enumerate() {
             self.slope[index] = columns.dot(index, &self.direction) / unknown.cost;
         }
-        Line { start, curvature, problem, free: &self.free, slope: &self.slope }.root()
+        Line { start, curvature, problem, free: &self.free, slope: &self.slope }.root(T::splat(FLAT) * falls.abs())
     }
 }
 
@@ -142,10 +147,11 @@ struct Line<'a, T> {
     slope: &'a [T],
 }
 
-/// Steps of a line search at most; four to eight are usual.
+/// Steps of a line search at most.
 const TRIALS: usize = 40;
-/// The derivative at which a length is taken, relative to that at its beginning.
-const FLAT: f64 = 1e-9;
+/// The derivative at which a length is taken, relative to that at its beginning: the curvature condition of Wolfe, which leaves the
+/// number of Newton steps as it is with an exact search. Near the answer the full step is one.
+const FLAT: f64 = 1e-2;
 
 impl<T: Real> Line<'_, T> {
     /// The derivative at a length, and its own.
@@ -163,11 +169,10 @@ impl<T: Real> Line<'_, T> {
         [self.start + length * self.curvature + force, self.curvature + stiffness]
     }
 
-    /// Newton's method within a bracket, which is halved where it would leave that.
+    /// Newton's method within a bracket, which is halved where it would leave that, until the derivative is `flat`.
     #[inline(always)]
-    fn root(&self) -> T {
+    fn root(&self, flat: T) -> T {
         let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
-        let flat = T::splat(FLAT) * self.derivatives(zero)[0].abs();
         let [mut low, mut high, mut length] = [zero, one, one];
         let [mut derivative, mut stiffness] = self.derivatives(one);
         // Where it still falls at 1 that is the longest step.

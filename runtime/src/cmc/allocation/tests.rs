@@ -1,6 +1,7 @@
 //! The allocation finds the optimum, and the same bits in lanes.
 
 use super::*;
+use msk_physics::lanes::Lanes;
 use proptest::prelude::*;
 
 const ROWS: usize = 5;
@@ -54,9 +55,11 @@ impl Dense {
 
     /// The unknowns, and whether they are the answer, by a search that goes on from `memory`.
     fn solve(&self, effort: Effort, memory: &mut Memory) -> (Vec<f64>, bool) {
-        let mut allocation = Allocation::new(ROWS);
-        let (x, exact) = allocation.solve(&self.problem(&self.parts()), effort, memory);
-        (x.to_vec(), exact)
+        let (mut allocation, mut x) = (Allocation::new(ROWS), vec![0.0; self.unknowns.len()]);
+        allocation.recall(0, memory);
+        let exact = allocation.search(&self.problem(&self.parts()), effort, true);
+        allocation.remember(0, memory, &mut x);
+        (x, exact)
     }
 
     fn cost(&self, x: &[f64]) -> f64 {
@@ -88,48 +91,69 @@ proptest! {
         }
     }
 
-    /// Each lane has some of four slots of two columns each after the columns that all have, and searches twice: for the second
-    /// time from where it has ended.
+    /// Each lane lacks some of the columns, which are zero there, and searches twice: for the second time from where it has ended.
     #[test]
     fn lanes_have_the_bits_of_single_problems(
-        lanes in prop::collection::vec((dense(COLUMNS + 8), prop::array::uniform4(any::<bool>())), 3..9),
+        lanes in prop::collection::vec((dense(COLUMNS), prop::array::uniform4(any::<bool>())), 3..9),
         effort in prop::sample::select(vec![Effort::EXACT, Effort::ROUGH, INTERIOR]),
     ) {
-        let lanes: Vec<(Dense, Vec<Slot>)> = lanes.into_iter().map(|(dense, bears)| with_slots(dense, bears)).collect();
+        let lanes: Vec<(Dense, Dense)> = lanes.into_iter().map(|(dense, has)| with_and_without(&dense, has)).collect();
         let mut alone = vec![Memory::new(ROWS); lanes.len()];
         let mut memories = alone.clone();
-        let mut together = Together::new(ROWS);
+        let mut together: Allocation<Lanes> = Allocation::new(ROWS);
+        // Not the first lanes, and not in order.
+        let place = |lane: usize| 7 - lane;
+        let gather = |value: &dyn Fn(&Dense) -> f64| {
+            let mut all = Lanes::splat(0.0);
+            lanes.iter().enumerate().for_each(|(lane, (dense, _))| all.set_lane(place(lane), value(dense)));
+            all
+        };
+        let Parts { pattern, inertia, .. } = lanes[0].0.parts();
+        let inertia: Vec<Lanes> = inertia.into_iter().map(Lanes::splat).collect();
+        let wanted: Vec<Lanes> = (0..ROWS).map(|row| gather(&|dense| dense.wanted[row])).collect();
+        let mut columns = Columns::default();
+        (0..COLUMNS).for_each(|index| columns.push((0..ROWS).map(|row| (row, gather(&|dense| dense.columns[index][row])))));
+        let unknown = |index: usize| Unknown {
+            low: gather(&|dense| dense.unknowns[index].low),
+            high: gather(&|dense| dense.unknowns[index].high),
+            cost: gather(&|dense| dense.unknowns[index].cost),
+        };
+        let unknowns: Vec<Unknown<Lanes>> = (0..COLUMNS).map(unknown).collect();
+        let mut count = Lanes::splat(0.0);
+        lanes.iter().enumerate().for_each(|(lane, (_, own))| count.set_lane(place(lane), own.unknowns.len() as f64));
+        let problem =
+            Problem { pattern: &pattern, inertia: &inertia, columns: &columns, unknowns: &unknowns, wanted: &wanted, count };
         for _ in 0..2 {
-            let parts: Vec<Parts> = lanes.iter().map(|(dense, _)| dense.parts()).collect();
-            let mut found = vec![vec![0.0; COLUMNS]; lanes.len()];
-            let taken = lanes.iter().zip(&parts).zip(&mut memories).zip(&mut found).enumerate();
-            let mut members: Vec<Member<'_>> = taken
-                .map(|(lane, ((((dense, slots), parts), memory), out))| {
-                    // Not the first lanes, and not in order.
-                    Member { lane: 7 - lane, problem: dense.problem(parts), slots, memory, out }
-                })
-                .collect();
-            together.solve(effort, &mut members);
-            for (lane, (dense, _)) in lanes.iter().enumerate() {
-                let (x, _) = dense.solve(effort, &mut alone[lane]);
-                prop_assert_eq!(&found[lane][..], &x[..COLUMNS], "lane {}", lane);
+            memories.iter().enumerate().for_each(|(lane, memory)| together.recall(place(lane), memory));
+            together.search(&problem, effort, Lanes::mask(|lane| lane + lanes.len() > 7));
+            for (lane, (_, own)) in lanes.iter().enumerate() {
+                let mut found = [0.0; COMMON];
+                together.remember(place(lane), &mut memories[lane], &mut found);
+                let (x, _) = own.solve(effort, &mut alone[lane]);
+                prop_assert_eq!(&found[..], &x[..COMMON], "lane {}", lane);
                 prop_assert_eq!(&memories[lane], &alone[lane], "lane {}", lane);
             }
         }
     }
 }
 
-/// The problem with only those slots of its last eight columns that bear.
-fn with_slots(dense: Dense, bears: [bool; 4]) -> (Dense, Vec<Slot>) {
-    let (mut columns, mut unknowns) = (dense.columns[..COLUMNS].to_vec(), dense.unknowns[..COLUMNS].to_vec());
-    let mut slots = Vec::new();
-    for (key, _) in bears.iter().enumerate().filter(|(_, bears)| **bears) {
-        let place = COLUMNS + 2 * key;
-        slots.push(Slot { key, first: columns.len(), columns: 2 });
-        columns.extend_from_slice(&dense.columns[place..place + 2]);
-        unknowns.extend_from_slice(&dense.unknowns[place..place + 2]);
+/// Columns that all lanes have.
+const COMMON: usize = 4;
+
+/// The problem without some pairs of its last columns: with zeros in their places, and as it is alone.
+fn with_and_without(dense: &Dense, has: [bool; 4]) -> (Dense, Dense) {
+    let (mut padded, mut alone) = (dense.clone(), dense.clone());
+    (alone.columns, alone.unknowns) = (Vec::new(), Vec::new());
+    for index in 0..COLUMNS {
+        if index < COMMON || has[(index - COMMON) / 2] {
+            alone.columns.push(dense.columns[index]);
+            alone.unknowns.push(dense.unknowns[index]);
+        } else {
+            padded.columns[index] = [0.0; ROWS];
+            padded.unknowns[index] = Unknown { low: 0.0, high: 0.0, cost: 1.0 };
+        }
     }
-    (Dense { columns, unknowns, ..dense }, slots)
+    (padded, alone)
 }
 
 #[test]
