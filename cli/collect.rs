@@ -1,27 +1,19 @@
 //! `msk collect TASK`: episodes under a policy as a data set for learners.
 
-mod recording;
-
 use crate::condition::Condition;
 use crate::error::Error;
 use crate::eval;
 use crate::interrupt::Interrupt;
 use crate::overlays::Overlays;
-use crate::policies::{Limits, Recorder};
+use crate::policies::Limits;
 use crate::progress;
 use crate::project::{Project, Settings};
 use crate::terminal;
 use msk::compiler::numbers::fixed;
-use msk::evaluate::play_watched;
-use msk::evaluate::{
-    EpisodeRecord, EpisodeSet, EvaluationError, Journal, JournalError, Moments, Plan, Protocol, RunSettings, Shard, Trial,
-};
-use msk::runtime::episode::{Environment, EpisodeKey};
-use msk::runtime::policy::PolicyError;
-use msk_storage::Folder;
-use recording::{LAYOUT, Recording, layout};
+use msk::evaluate::collection::{Collection, CollectionError, Event, Totals};
+use msk::evaluate::{Protocol, Shard};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Play episodes under a policy and keep them as a data set: observations, actions, rewards and terms of every control step
@@ -49,6 +41,10 @@ pub struct Args {
     /// Random seed
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Play this part of the episodes only, such as 2/5: about a fifth. `msk merge` joins the parts, which may be played on several
+    /// machines
+    #[arg(long, value_name = "NUMBER/COUNT", default_value_t, hide_default_value = true)]
+    shard: Shard,
     /// Folder of the data set [default: a new one under results/]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -68,115 +64,51 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     args.overlays.apply(&project, std::slice::from_mut(&mut trial))?;
     let policy = args.limits.source(&args.policy)?;
     let protocol = Protocol { episodes: args.episodes, seed: args.seed };
-    let plan = Plan { trials: vec![trial], policy, protocol, shard: Shard::WHOLE };
-    let name = format!("{}-data-{}", plan.trials[0].task.name, eval::in_path(plan.policy.name()));
+    if args.shard.among(args.episodes) == 0 {
+        let error = Error::usage(format!("shard {} has none of the episodes", args.shard));
+        return Err(error.hint("cut the run into at most as many shards as it has episodes"));
+    }
+    let (words, shard) = (eval::in_path(policy.name()), eval::shard_in_path(args.shard));
+    let name = format!("{}-data-{words}{shard}", trial.task.name);
     let folder = args.out.clone().map_or_else(|| eval::fresh_folder(&name), Ok)?;
-    let cannot = |source| eval::explain(JournalError::Unusable { folder: folder.clone(), source });
-    let mut totals = Totals::default();
-    let settings = RunSettings::of(&plan);
-    let opened = Journal::open_with(Folder::create(&folder).map_err(cannot)?, &settings, &mut |record| totals.add(&record));
-    let (journal, kept) = opened.map_err(eval::explain)?;
+    let steps = progress::steps(trial.task.horizon);
+    let mut collection = Collection::open(&folder, trial, policy, (protocol, args.shard)).map_err(explain)?;
     let interrupt = Interrupt::listen()?;
-    let collection = Collection { plan: &plan, journal: &journal, interrupt: &interrupt };
-    must_have_archives(&folder, &kept.done, args.episodes)?;
-    if !collection.complete(&kept.done, &mut totals)? {
+    let complete = collection.complete(interrupt.stop(), &mut |event| match event {
+        Event::Step(step) => steps.set_position(step.into()),
+        Event::End(record) => {
+            let outcome = if record.success { "success" } else { "no success" };
+            let line =
+                format!("episode {}: {} steps, return {}, {outcome}", record.episode, record.steps, fixed(record.total, 1));
+            // A terminal that is gone does not end a collection.
+            steps.suspend(|| drop(writeln!(terminal::notes(), "{line}")));
+        }
+    });
+    steps.finish_and_clear();
+    if !complete.map_err(explain)? {
         writeln!(terminal::notes(), "interrupted; the same command with `--out {}` goes on", folder.display())?;
         return Ok(interrupt.code());
     }
-    let Totals { steps, successes, returns } = totals;
     let mut out = terminal::out();
-    let (episodes, mean) = (returns.count(), returns.mean());
-    let numbers = format!("{episodes} episodes, {steps} control steps, {successes} successes, mean return {}", fixed(mean, 1));
-    writeln!(out, "{numbers}\nData: {}", folder.display())?;
+    writeln!(out, "{}\nData: {}", in_words(collection.totals()), folder.display())?;
     writeln!(out, "      data.json names the columns, episodes.jsonl has a line per episode")?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Whether every episode with a line has its arrays; its line cannot be written once more.
-fn must_have_archives(folder: &Path, done: &EpisodeSet, episodes: u64) -> Result<(), Error> {
-    let gone = |episode: &u64| done.contains((0, *episode)) && !folder.join(archive_name(*episode)).is_file();
-    let missing: Vec<u64> = (0..episodes).filter(gone).collect();
-    let Some(first) = missing.first() else { return Ok(()) };
-    let (folder, name) = (folder.display(), archive_name(*first));
-    let message = format!("`{folder}` has lost the arrays of {} episodes, such as `{name}`", missing.len());
-    Err(Error::new(message).hint("restore the files, or collect anew into another folder with `--out DIR`"))
+/// What a data set holds.
+pub fn in_words(Totals { steps, successes, returns }: &Totals) -> String {
+    let (episodes, mean) = (returns.count(), returns.mean());
+    let mean = fixed(mean, 1);
+    format!("{episodes} episodes, {steps} control steps, {successes} successes, mean return {mean}")
 }
 
-/// The file with the arrays of an episode.
-pub fn archive_name(episode: u64) -> String {
-    format!("{episode:04}.npz")
-}
-
-/// Sums over the episodes of a data set.
-#[derive(Default)]
-struct Totals {
-    steps: u64,
-    successes: u64,
-    returns: Moments,
-}
-
-impl Totals {
-    fn add(&mut self, record: &EpisodeRecord) {
-        self.steps += u64::from(record.steps);
-        self.successes += u64::from(record.success);
-        self.returns.add(record.total);
-    }
-}
-
-/// A data set that is being made.
-struct Collection<'a> {
-    plan: &'a Plan,
-    journal: &'a Journal,
-    interrupt: &'a Interrupt,
-}
-
-impl Collection<'_> {
-    /// Plays the episodes that are not `done`; gives whether all are there, which they are not after an interruption.
-    fn complete(&self, done: &EpisodeSet, totals: &mut Totals) -> Result<bool, Error> {
-        let Plan { trials, policy: source, protocol, .. } = self.plan;
-        let trial = &trials[0];
-        let mut policy = Recorder::new(source.open(self.interrupt.stop())?);
-        let mut environment = trial.episode()?;
-        for episode in (0..protocol.episodes).filter(|episode| !done.contains((0, *episode))) {
-            let key = EpisodeKey { seed: protocol.seed, episode };
-            let Some(record) = self.play(trial, key, &mut environment, &mut policy)? else { return Ok(false) };
-            let outcome = if record.success { "success" } else { "no success" };
-            writeln!(
-                terminal::notes(),
-                "episode {episode}: {} steps, return {}, {outcome}",
-                record.steps,
-                fixed(record.total, 1)
-            )?;
-            totals.add(&record);
+fn explain(error: CollectionError) -> Error {
+    match error {
+        CollectionError::Journal(error) => eval::explain(error),
+        CollectionError::Evaluation(error) => error.into(),
+        CollectionError::Lost { .. } => {
+            Error::from(error).hint("restore the files, or collect anew into another folder with `--out DIR`")
         }
-        Ok(true)
-    }
-
-    /// Plays one episode and keeps it: its arrays first, then the line that says that they are whole.
-    fn play(
-        &self,
-        trial: &Trial,
-        key: EpisodeKey,
-        environment: &mut Environment,
-        policy: &mut Recorder<'_>,
-    ) -> Result<Option<EpisodeRecord>, Error> {
-        let steps = progress::steps(trial.task.horizon);
-        let mut recording = Recording::default();
-        let mut watch = |environment: &Environment| {
-            steps.set_position(environment.steps().into());
-            recording.look(environment);
-        };
-        let played = play_watched(trial, environment, key, policy, self.interrupt.stop(), &mut watch);
-        steps.finish_and_clear();
-        let record = match played {
-            Ok(Some(record)) => record,
-            Ok(None) | Err(EvaluationError::Policy(PolicyError::Interrupted)) => return Ok(None),
-            Err(error) => return Err(error.into()),
-        };
-        let archive = recording.archive(policy.actions(), &record)?;
-        self.journal.write(LAYOUT, layout(environment, policy)?).map_err(eval::explain)?;
-        self.journal.write(&archive_name(key.episode), archive).map_err(eval::explain)?;
-        self.journal.append(&record).map_err(eval::explain)?;
-        Ok(Some(record))
+        error => error.into(),
     }
 }

@@ -3,8 +3,9 @@
 use crate::error::{Context, Error};
 use crate::numbers::within;
 use crate::output;
+use msk::evaluate::collection::ActionRecorder;
 use msk::plan::Preset;
-use msk::runtime::policy::{ActsOn, Policy, PolicyContext, PolicyError, PolicySource};
+use msk::runtime::policy::PolicySource;
 use npyz::WriterBuilder;
 use std::path::Path;
 use std::time::Duration;
@@ -45,58 +46,18 @@ pub fn recorded(policy: &str) -> Result<PolicySource, Error> {
     })
 }
 
-/// A policy whose actions are kept.
-pub struct Recorder<'p> {
-    policy: Box<dyn Policy + 'p>,
-    actions: Vec<f64>,
-    width: usize,
-}
-
-impl<'p> Recorder<'p> {
-    /// Keeps what `policy` does.
-    pub fn new(policy: Box<dyn Policy + 'p>) -> Self {
-        Self { policy, actions: Vec::new(), width: 0 }
-    }
-
-    /// The actions since the reset, one after the other, and the number of entries of each.
-    pub fn actions(&self) -> (&[f64], usize) {
-        (&self.actions, self.width)
-    }
-
-    /// Writes the actions as `replay` reads them: a NumPy array of doubles, a row per control step, a column per entry of an action.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let cannot = || format!("cannot write `{}`", path.display());
-        let mut file = Vec::new();
-        let shape = [self.actions.len().checked_div(self.width).unwrap_or(0) as u64, self.width as u64];
-        let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut file).begin_nd().context(cannot)?;
-        writer.extend(self.actions.iter().copied()).context(cannot)?;
-        writer.finish().context(cannot)?;
-        output::write(path, file)
-    }
-}
-
-impl Policy for Recorder<'_> {
-    fn name(&self) -> &str {
-        self.policy.name()
-    }
-
-    fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
-        self.actions.clear();
-        self.policy.reset(context)?;
-        self.width = self.policy.acts_on().size(context.task, context.body);
-        Ok(())
-    }
-
-    fn acts_on(&self) -> ActsOn {
-        self.policy.acts_on()
-    }
-
-    fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
-        self.policy.act(context, action)?;
-        self.actions.extend_from_slice(action);
-        Ok(())
-    }
+/// Writes the actions of an episode as `replay` reads them: a NumPy array of doubles, a row per control step, a column per entry of an
+/// action.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_actions(recorder: &ActionRecorder<'_>, path: &Path) -> Result<(), Error> {
+    let cannot = || format!("cannot write `{}`", path.display());
+    let (actions, width) = recorder.actions();
+    let mut file = Vec::new();
+    let shape = [actions.len().checked_div(width).unwrap_or(0) as u64, width as u64];
+    let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut file).begin_nd().context(cannot)?;
+    writer.extend(actions.iter().copied()).context(cannot)?;
+    writer.finish().context(cannot)?;
+    output::write(path, file)
 }

@@ -7,13 +7,14 @@ use crate::interrupt::Interrupt;
 use crate::output;
 use crate::overlays::Overlays;
 use crate::pictures::{PictureArgs, Pictures};
-use crate::policies::{Limits, Recorder};
+use crate::policies::{Limits, write_actions};
 use crate::progress;
 use crate::project::{Project, Settings};
 use crate::terminal;
 use crate::trace;
 use crate::view::live::Live;
 use msk::compiler::numbers::{exact, fixed, for_people};
+use msk::evaluate::collection::ActionRecorder;
 use msk::evaluate::{
     EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Shard, Summary, TraceRecorder, Tracing, Trial, play_to_horizon,
     play_watched, replay_watched, report,
@@ -121,7 +122,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 
 /// Plays the episode and reports it.
 fn play(args: &Args, trial: Trial, source: PolicySource, interrupt: &Interrupt, live: Option<&Live>) -> Result<ExitCode, Error> {
-    let mut policy = Recorder::new(source.open(interrupt.stop())?);
+    let mut policy = ActionRecorder::new(source.open(interrupt.stop())?);
     let mut episode = trial.episode()?;
     let key = EpisodeKey { seed: args.seed, episode: args.episode };
     if args.ignore_terminations {
@@ -148,7 +149,7 @@ fn play(args: &Args, trial: Trial, source: PolicySource, interrupt: &Interrupt, 
         Err(error) => return Err(error.into()),
     };
     if let Some(path) = &args.actions {
-        policy.write(path)?;
+        write_actions(&policy, path)?;
     }
     write_state(args, &episode)?;
     write_trace(args, recorder, &record)?;

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::output;
-use msk::evaluate::{JournalError, Plan};
+use msk::evaluate::{JournalError, Plan, Shard};
 use msk_storage::{Folder, StorageError};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,11 +11,12 @@ use std::path::{Path, PathBuf};
 pub(super) fn name(plan: &Plan, file: &Path, policy: &str) -> String {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let name = if let [trial] = plan.trials.as_slice() { trial.task.name.clone() } else { stem.into_owned() };
-    let shard = match plan.shard.is_whole() {
-        true => String::new(),
-        false => format!("-shard-{}", plan.shard.to_string().replace('/', "-of-")),
-    };
-    format!("{name}-{}{shard}", in_path(policy))
+    format!("{name}-{}{}", in_path(policy), shard_in_path(plan.shard))
+}
+
+/// The end of the name of a run: `-shard-2-of-3`, or nothing of a whole one.
+pub fn shard_in_path(shard: Shard) -> String {
+    if shard.is_whole() { String::new() } else { format!("-shard-{}", shard.to_string().replace('/', "-of-")) }
 }
 
 /// Words as a part of a path, such as a policy: `process python3 policy.py` is `process-python3-policy-py`.

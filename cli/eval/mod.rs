@@ -5,7 +5,7 @@ mod pages;
 mod protocol;
 mod sweep;
 
-pub use folder::{explain, fresh as fresh_folder, in_path};
+pub use folder::{explain, fresh as fresh_folder, in_path, shard_in_path};
 
 use crate::condition::Condition;
 use crate::error::Error;

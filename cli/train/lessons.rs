@@ -1,10 +1,10 @@
 //! What an agent learns from beside the reward: data sets of `msk collect`, a teacher, an agent to start as.
 
-use crate::collect::archive_name;
 use crate::error::{Context, Error};
 use crate::policies::Limits;
 use msk::compiler::task::Channel;
 use msk::evaluate::Journal;
+use msk::evaluate::collection::{LAYOUT, archive_name};
 use msk::evaluate::npz::{NpzReader, ZipError};
 use msk::runtime::episode::Engine;
 use msk::runtime::policy::ActsOn;
@@ -57,7 +57,7 @@ fn read(folder: &Path, engine: &Engine) -> Result<DataSet, Error> {
         let error = Error::new(format!("the data set `{shown}` {reason}"));
         error.hint("`msk collect TASK --policy cmc --out DIR` makes one")
     };
-    let layout = folder.join("data.json");
+    let layout = folder.join(LAYOUT);
     let text = read_text_file(&layout, LARGEST_TEXT).context(|| format!("`{shown}` holds no data set"))?;
     let layout: Value = serde_json::from_str(&text).map_err(|error| refuse(format!("is damaged: {error}")))?;
     let acts_on = match layout["acts_on"].as_str() {

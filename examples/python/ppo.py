@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import pickle
 import time
+from collections import deque
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -122,6 +123,9 @@ class Trainer:
         )
         self.shuffle = np.random.default_rng(settings.seed)
         self.steps = 0
+        #: Episodes of this process: the first that ended, and the last.
+        self.first: list[dict[str, float]] = []
+        self.last: deque[dict[str, float]] = deque(maxlen=100)
 
     def update(self) -> dict[str, float]:
         """Collects a rollout and learns from it; gives what is worth logging."""
@@ -151,7 +155,10 @@ class Trainer:
                 ].numpy()
                 rewards[truncated] += self.settings.discount * last
             if (terminated | truncated).any():
-                ended += statistics(infos["final_info"], infos["_final_info"])
+                own = statistics(infos["final_info"], infos["_final_info"])
+                self.first += own[: 100 - len(self.first)]
+                self.last.extend(own)
+                ended += own
             done = torch.as_tensor(terminated | truncated, dtype=torch.float32)
             value, reward = (
                 self.agent.value(seen)[:, 0],
@@ -228,6 +235,20 @@ class Trainer:
             )
         )
 
+    def summary(self, minutes: float) -> str:
+        """What was learned: the means of the first hundred episodes and of the last."""
+        lines = [
+            f"{self.steps} steps, {minutes:.1f} minutes, {time.process_time():.0f} s of CPU time"
+        ]
+        for name, episodes in (("first", self.first), ("last", self.last)):
+            means = [
+                f"{key} {float(np.mean([episode[f'episode/{key}'] for episode in episodes])):.4g}"
+                for key in ("return", "success", "steps")
+                if episodes
+            ]
+            lines.append(f"{name} {len(episodes)} episodes: {', '.join(means)}")
+        return "\n".join(lines)
+
     def save(self, path: Path) -> None:
         """Writes a checkpoint, at once or not at all."""
         state = {
@@ -282,7 +303,9 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "--task", default=Settings.task, help="a task of msk.TASKS, or a file"
+        "--task",
+        default=Settings.task,
+        help="a task of msk.TASKS, a file, or FILE@TASK",
     )
     parser.add_argument("--seed", type=int, default=Settings.seed)
     parser.add_argument("--num-envs", type=int, default=Settings.num_envs)
@@ -308,7 +331,7 @@ def main() -> None:
         trainer = Trainer(
             Settings(task=given.task, seed=given.seed, num_envs=given.num_envs)
         )
-    folder = given.out or Path("runs") / Path(trainer.settings.task).stem
+    folder = given.out or Path("runs") / trainer.envs.task.name
     folder.mkdir(parents=True, exist_ok=True)
     begun, saved, updates = time.monotonic(), time.monotonic(), 0
     with (
@@ -339,6 +362,7 @@ def main() -> None:
                 trainer.save(folder / "checkpoint.pt")
                 saved = time.monotonic()
     trainer.save(folder / "checkpoint.pt")
+    print(trainer.summary((time.monotonic() - begun) / 60))
 
 
 if __name__ == "__main__":

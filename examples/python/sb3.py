@@ -43,7 +43,9 @@ class Progress(BaseCallback):
         self.steps = steps
         self.saved = time.monotonic()
         self.over = False
+        #: The episodes that ended last, and those that ended first.
         self.ended: deque[dict[str, float]] = deque(maxlen=100)
+        self.first: list[dict[str, float]] = []
 
     def _on_rollout_start(self) -> None:
         # Here nothing is half done: the learner has learned from all that it has seen.
@@ -60,19 +62,34 @@ class Progress(BaseCallback):
                     f"terms/{name}": value
                     for name, value in info["term_returns"].items()
                 }
-                self.ended.append(
-                    terms
-                    | {
-                        "episode/success": info["is_success"],
-                        "episode/steps": info["steps"],
-                    }
-                )
+                whole = {
+                    "episode/return": info["return"],
+                    "episode/success": info["is_success"],
+                    "episode/steps": info["steps"],
+                }
+                self.ended.append(terms | whole)
+                if len(self.first) < 100:
+                    self.first.append(whole)
         if self.ended and self.n_calls % 64 == 0:
             for key in self.ended[0]:
                 self.logger.record(
                     key, float(np.mean([episode[key] for episode in self.ended]))
                 )
         return not self.over
+
+    def summary(self, minutes: float) -> str:
+        """What was learned: the means of the first hundred episodes and of the last."""
+        lines = [
+            f"{self.num_timesteps} steps, {minutes:.1f} minutes, {time.process_time():.0f} s of CPU time"
+        ]
+        for name, episodes in (("first", self.first), ("last", self.ended)):
+            means = [
+                f"{key} {float(np.mean([episode[f'episode/{key}'] for episode in episodes])):.4g}"
+                for key in ("return", "success", "steps")
+                if episodes
+            ]
+            lines.append(f"{name} {len(episodes)} episodes: {', '.join(means)}")
+        return "\n".join(lines)
 
 
 def save(model: BaseAlgorithm, folder: Path) -> None:
@@ -154,7 +171,9 @@ def main() -> None:
     )
     parser.add_argument("algorithm", choices=("ppo", "sac"))
     parser.add_argument(
-        "--task", default="stand", help="a task of msk.TASKS, or a file"
+        "--task",
+        default="stand",
+        help="a task of msk.TASKS, a file, or FILE@TASK",
     )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--num-envs", type=int, default=32)
@@ -169,18 +188,20 @@ def main() -> None:
     given = parser.parse_args()
     algorithm = {"ppo": PPO, "sac": SAC}[given.algorithm]
     envs = VecEnv(given.task, given.num_envs, clip_actions=True)
-    folder = Path("runs") / f"{Path(given.task).stem}-{given.algorithm}"
+    folder = Path("runs") / f"{envs.task.name}-{given.algorithm}"
     if given.resume:
         model = load(algorithm, envs, given.resume)
     else:
         model = create(algorithm, envs, given.seed, folder)
     callback = Progress(folder / "latest", given.minutes)
+    begun = time.monotonic()
     model.learn(
         FOREVER,
         callback=callback,
         progress_bar=not given.quiet,
         reset_num_timesteps=not given.resume,
     )
+    print(callback.summary((time.monotonic() - begun) / 60))
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ The tasks are written in the language of ``.msk`` files and run in Rust; :func:`
 
 from . import physics
 from .agents import Agent
+from .collection import DataSet, collect, merge_data
 from .diagnostics import Diagnostic, Diagnostics, Fix, Place
 from .environment import CAMERAS, Env, Page, Picture, Snapshot, show
 from .errors import CompileError, InternalError, LintWarning
@@ -25,6 +26,7 @@ __all__ = [
     "Agent",
     "Channel",
     "CompileError",
+    "DataSet",
     "Diagnostic",
     "Diagnostics",
     "Env",
@@ -43,6 +45,7 @@ __all__ = [
     "Term",
     "VectorEnv",
     "check",
+    "collect",
     "compile",
     "compile_text",
     "evaluate",
@@ -50,6 +53,7 @@ __all__ = [
     "make",
     "make_vec",
     "merge",
+    "merge_data",
     "physics",
     "register",
     "show",

@@ -177,8 +177,8 @@ def compile(
     """Compiles a task.
 
     Args:
-        source: the name of one of :data:`TASKS`, or the path of a file.
-        task: which one, if the file holds several.
+        source: the name of one of :data:`TASKS`, or the path of a file, ``FILE@TASK`` for one of several.
+        task: the same apart: which one, if the file holds several.
         params: values of its parameters.
         weights: weights of its terms, or a weights file.
 
@@ -190,6 +190,9 @@ def compile(
         LintWarning: lints have something to say.
     """
     name = os.fspath(source)
+    file, at, part = name.rpartition("@")
+    if at and task is None and file.endswith(".msk"):
+        name, task = file, part
     if name not in TASKS and not name.endswith(".msk"):
         known = ", ".join(TASKS)
         raise ValueError(f"there is no task `{name}`; a file ends in .msk, and built in are: {known}")

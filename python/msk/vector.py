@@ -183,7 +183,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[Any], NDArray[Any], NDArray[A
                 infos |= {name: value for name, value in endings.items() if name.lstrip("_") in _AT_END}
         return observations, rewards, terminated, truncated, infos
 
-    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+    def render(self) -> tuple[Any, ...] | None:
         """With ``render_mode="rgb_array"`` the present step of each slot as a picture, an array of shape ``(height, width, 3)``: see
         :meth:`Env.render`.
 

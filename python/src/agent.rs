@@ -72,7 +72,7 @@ impl Agent {
             actions
         })?;
         match rows {
-            Some(_) => arrays::table(py, &actions, entries, true),
+            Some(rows) => arrays::table(py, &actions, [rows, entries], true),
             None => Ok(arrays::row(py, &actions, true)),
         }
     }

@@ -87,12 +87,14 @@ pub fn row<'py>(py: Python<'py>, values: &[f64], single: bool) -> Bound<'py, PyA
     }
 }
 
-/// The rows as an array of two dimensions, of that width, float32 if `single`, else float64.
+/// Rows as an array of two dimensions, of the shape (rows, width), float32 if `single`, else float64.
 ///
 /// # Errors
-/// Rows of different lengths.
-pub fn table<'py>(py: Python<'py>, values: &[f64], width: usize, single: bool) -> PyResult<Bound<'py, PyAny>> {
-    let shape = [values.len().checked_div(width).unwrap_or(0), width];
+/// Another number of values than the shape has.
+pub fn table<'py>(py: Python<'py>, values: &[f64], shape: [usize; 2], single: bool) -> PyResult<Bound<'py, PyAny>> {
+    if shape[0] * shape[1] != values.len() {
+        return Err(PyValueError::new_err(format!("{} values do not have the shape {}", values.len(), tuple(&shape))));
+    }
     if single {
         let array = PyArray2::<f32>::zeros(py, shape, false);
         for (out, &value) in array.try_readwrite()?.as_slice_mut()?.iter_mut().zip(values) {

@@ -10,7 +10,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// Draws the episodes of a task. It starts no thread.
-#[pyclass(module = "msk._native")]
+#[pyclass(frozen, module = "msk._native")]
 pub struct Camera {
     task: Py<Task>,
     inner: Guarded<Inner>,
@@ -43,7 +43,7 @@ impl Camera {
     }
 
     /// The episodes of a snapshot, one picture for each slot: arrays of shape (height, width, 3), uint8.
-    fn render<'py>(&mut self, py: Python<'py>, snapshot: &Snapshot) -> PyResult<Vec<Bound<'py, PyArray3<u8>>>> {
+    fn render<'py>(&self, py: Python<'py>, snapshot: &Snapshot) -> PyResult<Vec<Bound<'py, PyArray3<u8>>>> {
         snapshot.check(self.task.get(), snapshot.slots.len())?;
         let pictures = self.inner.change(py, |inner| {
             let slots = snapshot.slots.iter().enumerate();

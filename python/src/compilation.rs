@@ -85,15 +85,25 @@ impl Failure {
 /// # Errors
 /// No such task, or a body that does not fit.
 pub fn staged(file: &str, compilation: &Compilation, only: Option<&str>) -> Result<Vec<Trial>, Failure> {
-    let chosen = match only {
-        Some(name) => vec![choose(file, &compilation.tasks, Some(name)).map_err(Failure::Words)?],
-        None => compilation.members().into_iter().cloned().collect(),
-    };
-    let trial = |task: Arc<CompiledTask>| match bodies().stage(&task.body, &task.scene) {
+    match only {
+        Some(_) => Ok(vec![staged_one(file, compilation, only)?]),
+        None => compilation.members().into_iter().cloned().map(on_its_body).collect(),
+    }
+}
+
+/// The task of that name, or the only one, on its body.
+///
+/// # Errors
+/// No such task, several without a name, or a body that does not fit.
+pub fn staged_one(file: &str, compilation: &Compilation, name: Option<&str>) -> Result<Trial, Failure> {
+    choose(file, &compilation.tasks, name).map_err(Failure::Words).and_then(on_its_body)
+}
+
+fn on_its_body(task: Arc<CompiledTask>) -> Result<Trial, Failure> {
+    match bodies().stage(&task.body, &task.scene) {
         Ok(body) => Ok(Trial::new(task, body)),
         Err(error) => Err(Failure::Words(in_words(&error))),
-    };
-    chosen.into_iter().map(trial).collect()
+    }
 }
 
 fn choose(file: &str, tasks: &[Arc<CompiledTask>], name: Option<&str>) -> Result<Arc<CompiledTask>, String> {

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// One episode of a task after the other. It starts no thread.
-#[pyclass(module = "msk._native")]
+#[pyclass(frozen, module = "msk._native")]
 pub struct Environment {
     task: Py<Task>,
     inner: Guarded<Recorded>,
@@ -47,14 +47,14 @@ impl Environment {
     }
 
     /// Begins an episode; gives its first observation.
-    fn reset<'py>(&mut self, py: Python<'py>, seed: u64, episode: u64) -> PyResult<Bound<'py, PyAny>> {
+    fn reset<'py>(&self, py: Python<'py>, seed: u64, episode: u64) -> PyResult<Bound<'py, PyAny>> {
         self.inner.change(py, |inner| inner.begin(|inner| inner.reset(EpisodeKey { seed, episode })))?;
         self.begun(py)
     }
 
     /// Begins an episode in a state, of which `arrays` replaces parts of the present one.
     fn reset_to<'py>(
-        &mut self,
+        &self,
         py: Python<'py>,
         seed: u64,
         episode: u64,
@@ -62,6 +62,7 @@ impl Environment {
     ) -> PyResult<Bound<'py, PyAny>> {
         let inner = self.inner.get()?;
         let fresh = state::replaced(inner.state(), arrays, inner.engine().model())?;
+        drop(inner);
         self.inner.change(py, move |inner| {
             inner.begin(|inner| {
                 inner.reset_to(EpisodeKey { seed, episode }, &mut |state| *state = fresh.clone());
@@ -72,7 +73,7 @@ impl Environment {
     }
 
     /// Takes one control step: (observation, reward, terminated, truncated).
-    fn step<'py>(&mut self, py: Python<'py>, action: &Bound<'py, PyAny>) -> PyResult<(Bound<'py, PyAny>, f64, bool, bool)> {
+    fn step<'py>(&self, py: Python<'py>, action: &Bound<'py, PyAny>) -> PyResult<(Bound<'py, PyAny>, f64, bool, bool)> {
         let action = arrays::actions(action, None, self.task.get().action_names(), self.rule)?;
         self.inner
             .change(py, move |inner| {
@@ -94,13 +95,15 @@ impl Environment {
 
     /// (unweighted values of the terms, metrics, success) of the last step; the lists are empty before the first, and after a fault.
     fn report(&self) -> PyResult<(Vec<f64>, Vec<f64>, bool)> {
-        let report = self.inner.get()?.report();
+        let inner = self.inner.get()?;
+        let report = inner.report();
         Ok((report.terms.clone(), report.metrics.clone(), report.success))
     }
 
     /// (return, what each term added to it) since reset.
     fn returns(&self) -> PyResult<(f64, Vec<f64>)> {
-        let episode = self.inner.get()?.episode();
+        let inner = self.inner.get()?;
+        let episode = inner.episode();
         Ok((episode.total(), episode.totals().to_vec()))
     }
 
@@ -134,16 +137,16 @@ impl Environment {
         Ok(self.inner.get()?.last_weights().to_vec())
     }
 
-    fn set_weight(&mut self, index: usize, value: f64) -> PyResult<()> {
+    fn set_weight(&self, index: usize, value: f64) -> PyResult<()> {
         self.task.get().check_weight(index, value)?;
         self.inner.get_mut()?.set_weight(index, value);
         Ok(())
     }
 
     /// Sets parameters, in the units in which they are written, from the next reset on: all of them or none.
-    fn set_parameters(&mut self, values: Vec<(String, f64)>) -> PyResult<()> {
+    fn set_parameters(&self, values: Vec<(String, f64)>) -> PyResult<()> {
         let values = self.task.get().checked_parameters(values)?;
-        let inner = self.inner.get_mut()?;
+        let mut inner = self.inner.get_mut()?;
         values
             .iter()
             .try_for_each(|(name, value)| inner.set_parameter(name, *value))
@@ -154,7 +157,7 @@ impl Environment {
         Ok(self.inner.get()?.progress())
     }
 
-    fn set_progress(&mut self, progress: f64) -> PyResult<()> {
+    fn set_progress(&self, progress: f64) -> PyResult<()> {
         self.inner.get_mut()?.set_progress(progress).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
@@ -164,7 +167,7 @@ impl Environment {
         Ok(Snapshot::new(self.task.get(), vec![(episode, key)]))
     }
 
-    fn restore(&mut self, py: Python<'_>, snapshot: &Snapshot) -> PyResult<()> {
+    fn restore(&self, py: Python<'_>, snapshot: &Snapshot) -> PyResult<()> {
         snapshot.check(self.task.get(), 1)?;
         self.inner.change(py, |inner| inner.begin(|inner| snapshot.slots.iter().for_each(|(episode, _)| inner.restore(episode))))
     }
@@ -175,12 +178,12 @@ impl Environment {
     }
 
     /// The present episode so far as an HTML page.
-    fn page(&mut self, py: Python<'_>, title: String) -> PyResult<String> {
+    fn page(&self, py: Python<'_>, title: String) -> PyResult<String> {
         self.inner.change(py, move |inner| inner.page(title))?.map_err(PyRuntimeError::new_err)
     }
 
     /// A picture as SVG, from the side and from in front.
-    fn draw(&mut self, py: Python<'_>, caption: String) -> PyResult<String> {
+    fn draw(&self, py: Python<'_>, caption: String) -> PyResult<String> {
         self.inner.change(py, move |inner| {
             let options = Options { views: vec![View::Side, View::Front], caption, anatomy: true, markers: inner.markers() };
             svg(&inner.context().snapshot(), &options)

@@ -5,7 +5,7 @@ use crate::guard::interruptible;
 use crate::workers::threads;
 use msk_evaluate::{EpisodeRecord, MergeError, Plan, Protocol, Resumed, RunSettings, Shard, ShardError, Watcher};
 use msk_runtime::library::in_words;
-use msk_runtime::policy::{PolicyError, PolicySource};
+use msk_runtime::policy::PolicySource;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use std::num::NonZeroUsize;
@@ -22,8 +22,28 @@ impl Watcher for Silent {
 }
 
 /// What a command line names, but for policies that imagine episodes.
-fn policy(text: &str) -> Result<PolicySource, PolicyError> {
-    msk_train::source(text).unwrap_or_else(|| PolicySource::parse(text))
+///
+/// # Errors
+/// `ValueError`: there is none, or a file that cannot be read.
+pub fn policy(text: &str) -> PyResult<PolicySource> {
+    let source = msk_train::source(text).unwrap_or_else(|| PolicySource::parse(text));
+    source.map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
+/// A part of the episodes: `2/5`.
+///
+/// # Errors
+/// `ValueError`: what is none.
+pub fn part(text: &str) -> PyResult<Shard> {
+    text.parse().map_err(|error: ShardError| PyValueError::new_err(error.to_string()))
+}
+
+/// Why folders cannot be joined, as Python knows it.
+pub fn unmerged(error: &MergeError) -> PyErr {
+    match error {
+        MergeError::Folder { .. } => PyOSError::new_err(in_words(error)),
+        _ => PyValueError::new_err(in_words(error)),
+    }
 }
 
 /// Plays the missing episodes of the tasks of a file, or of the one that is called `task`, and gives the summary as JSON. Episodes and
@@ -45,8 +65,8 @@ pub fn evaluate(
     threads: Option<NonZeroUsize>,
     out: PathBuf,
 ) -> PyResult<String> {
-    let shard: Shard = shard.parse().map_err(|error: ShardError| PyValueError::new_err(error.to_string()))?;
-    let policy = self::policy(&policy).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let shard = part(&shard)?;
+    let policy = self::policy(&policy)?;
     let work = move |stop: &AtomicBool| {
         let name = path.display().to_string();
         let compilation = compiled(path, None, parameters).map_err(Failure::Report)?;
@@ -72,9 +92,5 @@ pub fn evaluate(
 #[pyfunction]
 pub fn merge(py: Python<'_>, shards: Vec<PathBuf>, out: PathBuf) -> PyResult<String> {
     let merged = crate::guard::detached(py, move || msk_evaluate::merge(&shards, &out))?;
-    match merged {
-        Ok(merged) => Ok(merged.summary.json()),
-        Err(error @ MergeError::Folder { .. }) => Err(PyOSError::new_err(in_words(&error))),
-        Err(error) => Err(PyValueError::new_err(in_words(&error))),
-    }
+    merged.map(|merged| merged.summary.json()).map_err(|error| unmerged(&error))
 }

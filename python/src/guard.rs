@@ -5,10 +5,11 @@ use crate::workers::Process;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::any::Any;
+use std::ops::{Deref, DerefMut};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 use std::thread;
 use std::time::Duration;
 
@@ -55,8 +56,12 @@ fn internal(panic: &(dyn Any + Send)) -> PyErr {
     ))
 }
 
-/// A value that a panic may have left half changed: it is not used again. It may be away for a while, where a [`Queue`] changes it.
-pub struct Guarded<T>(Place<T>);
+/// A value that one thread uses at a time, and that a panic may have left half changed: then it is not used again. It may be away for a
+/// while, where a [`Queue`] changes it.
+///
+/// A thread that finds another one at it gets an error and never waits, so that no two can wait for each other: with the interpreter's lock
+/// and without it.
+pub struct Guarded<T>(RwLock<Place<T>>);
 
 enum Place<T> {
     Here(T),
@@ -65,34 +70,42 @@ enum Place<T> {
     Spoiled,
 }
 
+/// A value that is read.
+pub struct Read<'a, T>(RwLockReadGuard<'a, Place<T>>);
+
+/// A value that is changed.
+pub struct Write<'a, T>(RwLockWriteGuard<'a, Place<T>>);
+
 impl<T: Send + 'static> Guarded<T> {
     pub fn new(value: T) -> Self {
-        Self(Place::Here(value))
+        Self(RwLock::new(Place::Here(value)))
     }
 
     /// Changes the value while other Python threads go on.
     ///
     /// # Errors
-    /// A panic, now or before; a value that is away.
-    pub fn change<R: Send>(&mut self, py: Python<'_>, work: impl FnOnce(&mut T) -> R + Send) -> PyResult<R> {
-        let mut value = self.take()?;
+    /// A panic, now or before; a value that is away, or in use by another thread.
+    pub fn change<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut T) -> R + Send) -> PyResult<R> {
+        let mut place = self.locked()?;
+        let mut value = take(&mut place)?;
         // A panic drops the value with the closure.
         let (value, result) = detached(py, move || {
             let result = work(&mut value);
             (value, result)
         })?;
-        self.0 = Place::Here(value);
+        *place = Place::Here(value);
         Ok(result)
     }
 
     /// Changes the value in the background, after what was sent to the queue before. It is away until [`wait`](Self::wait).
     ///
     /// # Errors
-    /// A panic before; a value that is away already; no thread.
-    pub fn send(&mut self, queue: &Queue, work: impl FnOnce(&mut T) + Send + 'static) -> PyResult<()> {
-        let mut value = self.take()?;
+    /// A panic before; a value that is away already, or in use by another thread; no thread.
+    pub fn send(&self, queue: &Queue, work: impl FnOnce(&mut T) + Send + 'static) -> PyResult<()> {
+        let mut place = self.locked()?;
+        let mut value = take(&mut place)?;
         let (back, received) = sync_channel(1);
-        self.0 = Place::Away(Mutex::new(received), Process::present());
+        *place = Place::Away(Mutex::new(received), Process::present());
         queue.send(Box::new(move || {
             let changed = catch_unwind(AssertUnwindSafe(move || {
                 work(&mut value);
@@ -106,14 +119,15 @@ impl<T: Send + 'static> Guarded<T> {
     /// Waits for a value that is away, while other Python threads go on and signals are handled.
     ///
     /// # Errors
-    /// A value that is not away; a panic; what a signal raised: the value is away still.
-    pub fn wait(&mut self, py: Python<'_>) -> PyResult<()> {
-        let Place::Away(received, process) = &mut self.0 else {
+    /// A value that is not away, or for which another thread waits; a panic; what a signal raised: the value is away still.
+    pub fn wait(&self, py: Python<'_>) -> PyResult<()> {
+        let mut place = self.locked()?;
+        let Place::Away(received, process) = &mut *place else {
             return Err(PyRuntimeError::new_err("no step is under way: call send() before recv()"));
         };
-        if *process != Process::present() {
+        if !process.is_present() {
             // It is not dropped: it would wait for what the thread may have held when the process was forked.
-            std::mem::forget(std::mem::replace(&mut self.0, Place::Spoiled));
+            std::mem::forget(std::mem::replace(&mut *place, Place::Spoiled));
             return Err(PyRuntimeError::new_err("the step was sent before this process was forked: make a new environment"));
         }
         let received = received.get_mut().unwrap_or_else(PoisonError::into_inner);
@@ -125,17 +139,22 @@ impl<T: Send + 'static> Guarded<T> {
                 Ok(changed) => break changed.map_err(|panic| internal(&*panic)),
             }
         };
-        self.0 = Place::Spoiled;
-        changed.map(|value| self.0 = Place::Here(value))
+        *place = Place::Spoiled;
+        changed.map(|value| *place = Place::Here(value))
     }
 
     /// Reads the value.
     ///
     /// # Errors
-    /// A panic before; a value that is away.
-    pub fn get(&self) -> PyResult<&T> {
-        match &self.0 {
-            Place::Here(value) => Ok(value),
+    /// A panic before; a value that is away, or changed by another thread.
+    pub fn get(&self) -> PyResult<Read<'_, T>> {
+        let place = match self.0.try_read() {
+            Ok(place) => place,
+            Err(TryLockError::Poisoned(place)) => place.into_inner(),
+            Err(TryLockError::WouldBlock) => return Err(in_use()),
+        };
+        match &*place {
+            Place::Here(_) => Ok(Read(place)),
             Place::Away(..) => Err(away()),
             Place::Spoiled => Err(spoiled()),
         }
@@ -144,25 +163,73 @@ impl<T: Send + 'static> Guarded<T> {
     /// The value itself, for changes that cannot panic.
     ///
     /// # Errors
-    /// A panic before; a value that is away.
-    pub fn get_mut(&mut self) -> PyResult<&mut T> {
-        match &mut self.0 {
-            Place::Here(value) => Ok(value),
+    /// A panic before; a value that is away, or in use by another thread.
+    pub fn get_mut(&self) -> PyResult<Write<'_, T>> {
+        let place = self.locked()?;
+        match &*place {
+            Place::Here(_) => Ok(Write(place)),
             Place::Away(..) => Err(away()),
             Place::Spoiled => Err(spoiled()),
         }
     }
 
-    fn take(&mut self) -> PyResult<T> {
-        match std::mem::replace(&mut self.0, Place::Spoiled) {
-            Place::Here(value) => Ok(value),
-            Place::Spoiled => Err(spoiled()),
-            elsewhere @ Place::Away(..) => {
-                self.0 = elsewhere;
-                Err(away())
-            }
+    /// The place, for this thread alone. A panic of a thread that had it has left it as it was, or empty.
+    fn locked(&self) -> PyResult<RwLockWriteGuard<'_, Place<T>>> {
+        match self.0.try_write() {
+            Ok(place) => Ok(place),
+            Err(TryLockError::Poisoned(place)) => Ok(place.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(in_use()),
         }
     }
+}
+
+impl<T> Deref for Read<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        here(&self.0)
+    }
+}
+
+impl<T> Deref for Write<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        here(&self.0)
+    }
+}
+
+impl<T> DerefMut for Write<'_, T> {
+    fn deref_mut(&mut self) -> &mut T {
+        match &mut *self.0 {
+            Place::Here(value) => value,
+            // A `Write` is made of a value that is here, and keeps its place locked.
+            Place::Away(..) | Place::Spoiled => unreachable!(),
+        }
+    }
+}
+
+fn here<T>(place: &Place<T>) -> &T {
+    match place {
+        Place::Here(value) => value,
+        // A `Read` or `Write` is made of a value that is here, and keeps its place locked.
+        Place::Away(..) | Place::Spoiled => unreachable!(),
+    }
+}
+
+fn take<T>(place: &mut Place<T>) -> PyResult<T> {
+    match std::mem::replace(place, Place::Spoiled) {
+        Place::Here(value) => Ok(value),
+        Place::Spoiled => Err(spoiled()),
+        elsewhere @ Place::Away(..) => {
+            *place = elsewhere;
+            Err(away())
+        }
+    }
+}
+
+fn in_use() -> PyErr {
+    PyRuntimeError::new_err("another thread is using this object: give each thread one of its own, or let them take turns")
 }
 
 fn away() -> PyErr {

@@ -6,6 +6,7 @@
 mod agent;
 mod arrays;
 mod camera;
+mod collection;
 mod compilation;
 mod environment;
 mod evaluation;
@@ -30,6 +31,8 @@ mod _native {
     use super::agent::Agent;
     #[pymodule_export]
     use super::camera::Camera;
+    #[pymodule_export]
+    use super::collection::{collect, merge_collected};
     #[pymodule_export]
     use super::compilation::{check, compile};
     #[pymodule_export]

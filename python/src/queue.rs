@@ -30,7 +30,7 @@ impl Queue {
     pub fn send(&self, job: Job) -> PyResult<()> {
         let mut thread = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let (jobs, process) = match thread.take() {
-            Some(known) if known.1 == Process::present() => known,
+            Some(known) if known.1.is_present() => known,
             // The other end is not dropped: it would wait for what the thread may have held when the process was forked.
             Some(forked) => {
                 std::mem::forget(forked);

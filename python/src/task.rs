@@ -130,6 +130,12 @@ impl Task {
         self.actions.clone()
     }
 
+    /// The entry of an action that asks for rest.
+    #[getter]
+    fn rest(&self) -> f64 {
+        self.task().action.rest()
+    }
+
     /// (name, offset, size, unit) of each part of the observation.
     #[getter]
     fn channels(&self) -> Vec<(String, usize, usize, String)> {

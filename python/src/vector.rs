@@ -16,7 +16,7 @@ use pyo3::types::PyDict;
 use std::num::NonZeroUsize;
 
 /// Episodes of a task that are stepped together, on threads of their own.
-#[pyclass(module = "msk._native")]
+#[pyclass(frozen, module = "msk._native")]
 pub struct VectorEnvironment {
     task: Py<Task>,
     inner: Guarded<episode::VectorEnvironment>,
@@ -70,7 +70,7 @@ impl VectorEnvironment {
     }
 
     /// Begins the episodes `keys`, (seed, index), in their slots; None leaves a slot as it is.
-    fn reset<'py>(&mut self, py: Python<'py>, keys: Vec<Option<(u64, u64)>>) -> PyResult<Step<'py>> {
+    fn reset<'py>(&self, py: Python<'py>, keys: Vec<Option<(u64, u64)>>) -> PyResult<Step<'py>> {
         let key = |(seed, episode)| EpisodeKey { seed, episode };
         let keys: Vec<Option<EpisodeKey>> = keys.into_iter().map(|slot| slot.map(key)).collect();
         self.change(py, move |inner| inner.reset_to(&keys).ended.len())?;
@@ -78,7 +78,7 @@ impl VectorEnvironment {
     }
 
     /// Takes one control step in every slot.
-    fn step<'py>(&mut self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Step<'py>> {
+    fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Step<'py>> {
         let actions = arrays::actions(actions, Some(self.count), self.task.get().action_names(), self.rule)?;
         self.change(py, move |inner| inner.step(&actions).map(|_| ()))?
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
@@ -86,7 +86,7 @@ impl VectorEnvironment {
     }
 
     /// Begins a control step in every slot, in the background, after what was sent to the queue before.
-    fn send(&mut self, actions: &Bound<'_, PyAny>, queue: &Queue) -> PyResult<()> {
+    fn send(&self, actions: &Bound<'_, PyAny>, queue: &Queue) -> PyResult<()> {
         self.inner.get()?;
         let actions = arrays::actions(actions, Some(self.count), self.task.get().action_names(), self.rule)?;
         self.live()?;
@@ -97,7 +97,7 @@ impl VectorEnvironment {
     }
 
     /// Waits for the step that was sent.
-    fn recv<'py>(&mut self, py: Python<'py>) -> PyResult<Step<'py>> {
+    fn recv<'py>(&self, py: Python<'py>) -> PyResult<Step<'py>> {
         self.inner.wait(py)?;
         self.last(py)
     }
@@ -137,7 +137,7 @@ impl VectorEnvironment {
             reported.push(report.terms.len() == widths[0] && episode.steps() > 0);
         }
         let [terms, metrics] = tables;
-        let table = |values: &[f64], width| arrays::table(py, values, width, false);
+        let table = |values: &[f64], width| arrays::table(py, values, [self.count, width], false);
         let flags = |flags| PyArray1::from_vec(py, flags);
         Ok((table(&terms, widths[0])?, table(&metrics, widths[1])?, flags(successes), flags(reported)))
     }
@@ -166,9 +166,9 @@ impl VectorEnvironment {
     }
 
     /// Sets the weight of a term in all slots.
-    fn set_weight(&mut self, index: usize, value: f64) -> PyResult<()> {
+    fn set_weight(&self, index: usize, value: f64) -> PyResult<()> {
         self.task.get().check_weight(index, value)?;
-        let inner = self.inner.get_mut()?;
+        let mut inner = self.inner.get_mut()?;
         for slot in 0..self.count {
             inner.set_weight(slot, index, value);
         }
@@ -177,7 +177,7 @@ impl VectorEnvironment {
 
     /// Sets parameters, in the units in which they are written, for the episodes that begin from now on in the slots of the mask: a
     /// value for each slot. All of them are set or none.
-    fn set_parameters(&mut self, values: Vec<(String, Vec<f64>)>, mask: Vec<bool>) -> PyResult<()> {
+    fn set_parameters(&self, values: Vec<(String, Vec<f64>)>, mask: Vec<bool>) -> PyResult<()> {
         let mut checked = Vec::new();
         for (name, values) in values {
             if values.len() != self.count {
@@ -189,7 +189,7 @@ impl VectorEnvironment {
                 checked.extend(own.into_iter().map(|(name, value)| (slot, name, value)));
             }
         }
-        let inner = self.inner.get_mut()?;
+        let mut inner = self.inner.get_mut()?;
         let set = checked.iter().try_for_each(|(slot, name, value)| inner.set_parameter(*slot, name, *value));
         set.map_err(|error| PyValueError::new_err(error.to_string()))
     }
@@ -198,7 +198,7 @@ impl VectorEnvironment {
         Ok(self.inner.get()?.progress())
     }
 
-    fn set_progress(&mut self, progress: f64) -> PyResult<()> {
+    fn set_progress(&self, progress: f64) -> PyResult<()> {
         self.inner.get_mut()?.set_progress(progress).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
@@ -207,7 +207,7 @@ impl VectorEnvironment {
         Ok(Snapshot::new(self.task.get(), inner.episodes().cloned().zip(inner.next_keys()).collect()))
     }
 
-    fn restore(&mut self, py: Python<'_>, snapshot: &Snapshot) -> PyResult<()> {
+    fn restore(&self, py: Python<'_>, snapshot: &Snapshot) -> PyResult<()> {
         snapshot.check(self.task.get(), self.count)?;
         self.change(py, |inner| {
             for (slot, (episode, next)) in snapshot.slots.iter().enumerate() {
@@ -220,13 +220,13 @@ impl VectorEnvironment {
     /// The present observations, one row per slot.
     fn observations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let values: Vec<f64> = self.inner.get()?.episodes().flat_map(|episode| episode.observation()).copied().collect();
-        arrays::table(py, &values, values.len() / self.count, self.single)
+        arrays::table(py, &values, [self.count, values.len() / self.count], self.single)
     }
 
     /// What only a critic sees at present, one row per slot.
     fn critic_observations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let values: Vec<f64> = self.inner.get()?.episodes().flat_map(|episode| episode.critic_observation()).copied().collect();
-        arrays::table(py, &values, values.len() / self.count, self.single)
+        arrays::table(py, &values, [self.count, values.len() / self.count], self.single)
     }
 
     /// What only a critic saw at the end of the episodes that ended in the last step, in the rows of their slots; zeros in the others.
@@ -251,18 +251,18 @@ impl VectorEnvironment {
         for (slot, _) in self.inner.get()?.last().ended.iter().enumerate().filter(|(_, ended)| !**ended) {
             values[width * slot..width * (slot + 1)].fill(0.0);
         }
-        arrays::table(py, &values, width, self.single)
+        arrays::table(py, &values, [self.count, width], self.single)
     }
 
     /// Changes the environment with threads that live in this process.
-    fn change<R: Send>(&mut self, py: Python<'_>, work: impl FnOnce(&mut episode::VectorEnvironment) -> R + Send) -> PyResult<R> {
+    fn change<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut episode::VectorEnvironment) -> R + Send) -> PyResult<R> {
         self.live()?;
         self.inner.change(py, work)
     }
 
     /// Starts threads in this process where there are none.
-    fn live(&mut self) -> PyResult<()> {
-        let inner = self.inner.get_mut()?;
+    fn live(&self) -> PyResult<()> {
+        let mut inner = self.inner.get_mut()?;
         if self.process.has_changed() {
             inner.restart_workers().map_err(|error| no_threads(&error))?;
         }
@@ -270,9 +270,10 @@ impl VectorEnvironment {
     }
 
     fn last<'py>(&self, py: Python<'py>) -> PyResult<Step<'py>> {
-        let VectorStep { observations, rewards, terminated, truncated, ended, .. } = self.inner.get()?.last();
+        let inner = self.inner.get()?;
+        let VectorStep { observations, rewards, terminated, truncated, ended, .. } = inner.last();
         let flags = |flags: &[bool]| PyArray1::from_slice(py, flags);
-        let observations = arrays::table(py, observations, observations.len() / self.count, self.single)?;
+        let observations = arrays::table(py, observations, [self.count, observations.len() / self.count], self.single)?;
         Ok((observations, PyArray1::from_slice(py, rewards), flags(terminated), flags(truncated), flags(ended)))
     }
 }

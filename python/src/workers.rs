@@ -3,21 +3,26 @@
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread::available_parallelism;
 
 /// The process in which threads were started: a forked child has none of them.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Process(u32);
+pub struct Process(AtomicU32);
 
 impl Process {
     /// This one.
     pub fn present() -> Self {
-        Self(std::process::id())
+        Self(AtomicU32::new(std::process::id()))
+    }
+
+    /// Whether it is this one, and no parent of it.
+    pub fn is_present(&self) -> bool {
+        self.0.load(Ordering::Relaxed) == std::process::id()
     }
 
     /// Whether this is a child of the process that started the threads. Notes this process in its place.
-    pub fn has_changed(&mut self) -> bool {
-        std::mem::replace(self, Self::present()) != Self::present()
+    pub fn has_changed(&self) -> bool {
+        self.0.swap(std::process::id(), Ordering::Relaxed) != std::process::id()
     }
 }
 

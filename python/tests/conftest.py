@@ -1,5 +1,6 @@
 """Tasks that the tests share."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -53,6 +54,29 @@ def task() -> msk.Task:
 @pytest.fixture
 def env(task: msk.Task) -> msk.Env:
     return msk.make(task)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    """The short task in a file."""
+    path = tmp_path / "balance.msk"
+    path.write_text(SHORT)
+    return path
+
+
+@pytest.fixture(scope="session")
+def cluster():
+    """Two nodes of Ray on this machine, each with one processor."""
+    ray = pytest.importorskip("ray")
+    from ray.cluster_utils import Cluster
+
+    os.environ["RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO"] = "0"
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
+    cluster.add_node(num_cpus=1)
+    ray.init(address=cluster.address, log_to_driver=False)
+    yield cluster
+    ray.shutdown()
+    cluster.shutdown()
 
 
 def actions(task: msk.Task, *shape: int, seed: int = 0) -> np.ndarray:

@@ -1,7 +1,6 @@
 """Evaluations from Python, and on a cluster."""
 
 import json
-import os
 import signal
 import sys
 import threading
@@ -14,13 +13,6 @@ from conftest import SHORT
 
 #: What does not depend on where it is played.
 SAME = ("run.json", "episodes.jsonl", "summary.json", "report.md")
-
-
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    path = tmp_path / "balance.msk"
-    path.write_text(SHORT)
-    return path
 
 
 def contents(folder: Path) -> list[bytes]:
@@ -100,21 +92,6 @@ for line in sys.stdin:
 """
 
 
-@pytest.fixture(scope="module")
-def cluster():
-    """Two nodes on this machine."""
-    ray = pytest.importorskip("ray")
-    from ray.cluster_utils import Cluster
-
-    os.environ["RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO"] = "0"
-    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
-    cluster.add_node(num_cpus=1)
-    ray.init(address=cluster.address, log_to_driver=False)
-    yield cluster
-    ray.shutdown()
-    cluster.shutdown()
-
-
 def test_a_cluster_writes_the_bytes_of_one_machine_although_a_worker_dies(cluster, file: Path, tmp_path: Path):
     import msk.ray
 
@@ -131,12 +108,12 @@ def test_a_cluster_writes_the_bytes_of_one_machine_although_a_worker_dies(cluste
 
 
 def test_a_command_evaluates_on_a_cluster(cluster, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    import msk.ray
+    from msk.ray.command import main
 
     arguments = ["eval", str(file), "--policy", "random", "--episodes", "4", "--address", cluster.address]
-    assert msk.ray.main([*arguments, "--out", str(tmp_path / "out")]) == 0
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 0
     assert "balance" in capsys.readouterr().out
-    assert msk.ray.main([*arguments, "--task", "walk", "--out", str(tmp_path / "other")]) == 1
+    assert main([*arguments, "--task", "walk", "--out", str(tmp_path / "other")]) == 1
     assert "there is no task `walk`" in capsys.readouterr().err
 
 

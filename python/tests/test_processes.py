@@ -1,5 +1,6 @@
 """Threads, signals, forked and spawned processes, defects."""
 
+import contextlib
 import multiprocessing
 import os
 import signal
@@ -10,6 +11,7 @@ import time
 
 import numpy as np
 import pytest
+from gymnasium.error import ResetNeeded
 from gymnasium.vector import AsyncVectorEnv
 
 import msk
@@ -40,23 +42,119 @@ def test_other_threads_go_on_during_a_step():
     assert during > 10
 
 
-def test_one_environment_serves_one_thread_at_a_time(task: msk.Task):
+def in_threads(count: int, work) -> list:
+    """What ``work(number)`` gives, or raises, in so many threads that begin together."""
+    results: list = [None] * count
+    start = threading.Barrier(count)
+
+    def run(number: int) -> None:
+        start.wait()
+        try:
+            results[number] = work(number)
+        except Exception as error:  # noqa: BLE001 (which one it is, tests look at)
+            results[number] = error
+
+    threads = [threading.Thread(target=run, args=[number], daemon=True) for number in range(count)]
+    [thread.start() for thread in threads]
+    [thread.join(60) for thread in threads]
+    assert not any(thread.is_alive() for thread in threads), "a thread hangs"
+    return results
+
+
+#: What is done with an object that other threads use, too.
+SHARED = {
+    "env": (
+        lambda task: msk.make(task, clip_actions=True),
+        lambda env, task: (env.reset(seed=1), env.step(actions(task)), env.state, env.snapshot(), env.draw()),
+    ),
+    "vector": (
+        lambda task: msk.make_vec(task, 64, threads=1),
+        lambda envs, task: (
+            envs.step(actions(task, 64)),
+            envs.state(0),
+            envs.snapshot(),
+            envs.weights.update({"upright": 2}),
+        ),
+    ),
+    "background": (
+        lambda task: msk.make_vec(task, 16, threads=2),
+        lambda envs, task: (envs.send(actions(task, 16)), envs.recv()),
+    ),
+    "simulation": (
+        lambda task: msk.physics.Simulation(msk.physics.human()),
+        lambda simulation, task: (simulation.step(20), simulation.state(), simulation.forward()),
+    ),
+    "batch": (
+        lambda task: msk.physics.Batch(msk.physics.human(), 8, threads=1),
+        lambda batch, task: (batch.step(5), batch.positions(), batch.state(0)),
+    ),
+    "camera": (
+        lambda task: msk.make(task, render_mode="rgb_array", width=64, height=48),
+        lambda env, task: env.render(),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SHARED)
+def test_threads_that_share_an_object_get_errors_and_never_hang(task: msk.Task, name: str):
+    """With the interpreter's lock and, on free-threaded builds, without it."""
+    make, use = SHARED[name]
+    shared = make(task)
+    if hasattr(shared, "reset"):
+        shared.reset(**({} if name == "simulation" else {"seed": 0}))
+    expected = ("another thread is using this object", "a step is under way", "no step is under way")
+
+    def play(number: int) -> None:
+        for _ in range(10):
+            try:
+                use(shared, task)
+            except RuntimeError as error:
+                if not any(words in str(error) for words in expected) and not isinstance(error, ResetNeeded):
+                    raise
+
+    assert in_threads(4, play) == [None] * 4
+    # It is as good as before.
+    if name == "background":
+        with contextlib.suppress(RuntimeError):
+            shared.recv()
+    if hasattr(shared, "reset"):
+        shared.reset(**({} if name == "simulation" else {"seed": 0}))
+    use(shared, task)
+
+
+def test_another_thread_is_told_apart_from_a_defect(task: msk.Task):
     envs = msk.make_vec(task, 64, threads=1)
     envs.reset(seed=0)
-    errors = []
+    going = threading.Event()
 
-    def play() -> None:
-        try:
+    def play(number: int) -> None:
+        if number == 0:
+            going.set()
             for _ in range(20):
                 envs.step(actions(task, 64))
-        except RuntimeError as error:
-            errors.append(str(error))
+        else:
+            going.wait()
+            end = time.monotonic() + 30
+            while time.monotonic() < end:
+                envs.state(0)
 
-    threads = [threading.Thread(target=play) for _ in range(2)]
-    [thread.start() for thread in threads]
-    [thread.join() for thread in threads]
-    assert all("borrowed" in error for error in errors)
-    envs.reset(seed=0)
+    _, told = in_threads(2, play)
+    assert "another thread is using this object: give each thread one of its own" in str(told)
+
+
+def test_threads_with_environments_of_their_own_play_the_same_numbers(task: msk.Task):
+    """They share the task with its body, and nothing else."""
+
+    def play(number: int) -> bytes:
+        envs = msk.make_vec(task, 4, threads=1)
+        observations, _ = envs.reset(seed=number)
+        seen = [observations.tobytes()]
+        for step in range(15):
+            observations, rewards, *_ = envs.step(actions(task, 4, seed=step))
+            seen += [observations.tobytes(), rewards.tobytes()]
+        return b"".join(seen)
+
+    assert in_threads(4, play) == [play(number) for number in range(4)]
 
 
 def _play(task: msk.Task) -> np.ndarray:

@@ -95,3 +95,45 @@ fn another_policy_does_not_go_into_the_same_folder() {
     assert_eq!(other.code, Some(1));
     assert!(other.err.contains("choose another folder"), "{}", other.err);
 }
+
+#[test]
+fn merged_shards_have_the_bytes_of_one_machine() {
+    let project = Project::lean();
+    let collect = |out: &str, more: &[&str]| {
+        project.msk(&[&["collect", "lean", "--policy", "random", "--episodes", "5", "--out", out], more].concat())
+    };
+    collect("whole", &[]).succeeded();
+    let shards = ["one", "two", "three"];
+    for (number, out) in (1..).zip(shards) {
+        collect(out, &["--shard", &format!("{number}/3")]).succeeded();
+    }
+    assert!(project.path("two/0001.npz").is_file() && !project.path("two/0000.npz").exists());
+    collect("two", &[]).failed(1, &["its shard is 2/3, not none"]);
+    let merge = |shards: &[&str], out: &str| project.msk(&[&["merge"], shards, &["--out", out]].concat());
+    merge(&["two", "one"], "part").failed(1, &["episodes are missing, such as episode 2 of `lean`", "hint: finish all shards"]);
+    assert!(!project.path("part").exists());
+    let done = merge(&["three", "one", "two"], "merged").succeeded();
+    assert!(done.out.starts_with("5 episodes, 100 control steps, "), "{}", done.out);
+    for name in ["0000.npz", "0001.npz", "0002.npz", "0003.npz", "0004.npz", "data.json", "episodes.jsonl", "run.json"] {
+        let bytes = |folder: &str| fs::read(project.path(&format!("{folder}/{name}"))).unwrap();
+        assert_eq!(bytes("merged"), bytes("whole"), "{name}");
+    }
+    // The merged folder is a data set like any other: nothing is left to be played.
+    collect("merged", &[]).succeeded();
+    merge(&["one", "two", "three"], "merged").failed(1, &["cannot make the folder `merged`"]);
+
+    // What shards say of the same thing has to be the same.
+    let columns = project.read("two/data.json");
+    project.write("two/data.json", &columns.replace("lean", "mean"));
+    merge(&shards, "other").failed(1, &["`two` contains another run than `one`: its `data.json` differs"]);
+    project.write("two/data.json", &columns);
+    fs::remove_file(project.path("two/0001.npz")).unwrap();
+    merge(&shards, "other").failed(1, &["0001.npz"]);
+}
+
+#[test]
+fn a_shard_without_an_episode_is_refused() {
+    let project = Project::lean();
+    let none = ["collect", "lean", "--policy", "random", "--episodes", "2", "--shard", "3/3"];
+    project.msk(&none).failed(2, &["shard 3/3 has none of the episodes", "hint:"]);
+}

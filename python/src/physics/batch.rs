@@ -11,14 +11,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
-use std::sync::Arc;
 
 /// Simulations of one model, stepped together in the lanes of the processor, on threads of their own.
-#[pyclass(module = "msk.physics")]
+#[pyclass(frozen, module = "msk.physics")]
 pub struct Batch {
     model: Py<Model>,
-    inner: Guarded<PhysicsBatch>,
-    pool: Arc<ThreadPool>,
+    inner: Guarded<(PhysicsBatch, ThreadPool)>,
     process: Process,
     count: usize,
 }
@@ -30,22 +28,22 @@ impl Batch {
     fn new(py: Python<'_>, model: Py<Model>, count: NonZeroUsize, threads: Option<NonZeroUsize>) -> PyResult<Self> {
         let (workers, count) = (self::threads(threads).get(), count.get());
         let inner = &model.get().inner;
-        let inner = Guarded::new(detached(py, || PhysicsBatch::new(inner, count).with_workers(workers))?);
-        Ok(Self { model, inner, pool: pool(workers)?, process: Process::present(), count })
+        let batch = detached(py, || PhysicsBatch::new(inner, count).with_workers(workers))?;
+        Ok(Self { model, inner: Guarded::new((batch, pool(workers)?)), process: Process::present(), count })
     }
 
     /// Takes `steps` steps in every simulation without a fault.
     #[pyo3(signature = (steps = 1))]
-    fn step(&mut self, py: Python<'_>, steps: usize) -> PyResult<()> {
+    fn step(&self, py: Python<'_>, steps: usize) -> PyResult<()> {
+        let mut inner = self.inner.get_mut()?;
         if self.process.has_changed() {
-            let fresh = pool(self.pool.current_num_threads())?;
+            let fresh = pool(inner.1.current_num_threads())?;
             // Dropping the old pool would lock what one of its threads may have held when the process was forked.
-            std::mem::forget(std::mem::replace(&mut self.pool, fresh));
+            std::mem::forget(std::mem::replace(&mut inner.1, fresh));
         }
-        let pool = Arc::clone(&self.pool);
+        drop(inner);
         in_portions(py, steps, |steps| {
-            let pool = &pool;
-            self.inner.change(py, move |batch| pool.install(|| (0..steps).for_each(|_| batch.step())))
+            self.inner.change(py, move |(batch, pool)| pool.install(|| (0..steps).for_each(|_| batch.step())))
         })
     }
 
@@ -53,18 +51,18 @@ impl Batch {
         state::arrays(py, &self.present(index)?, &self.model.get().inner)
     }
 
-    fn set_state(&mut self, index: usize, arrays: &Bound<'_, PyDict>) -> PyResult<()> {
+    fn set_state(&self, index: usize, arrays: &Bound<'_, PyDict>) -> PyResult<()> {
         let fresh = state::replaced(&self.present(index)?, arrays, &self.model.get().inner)?;
-        self.inner.get_mut()?.set(index, &fresh).map_err(|error| PyValueError::new_err(error.to_string()))
+        self.inner.get_mut()?.0.set(index, &fresh).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
     /// Sets the controls of all simulations, one row each.
-    fn set_control(&mut self, control: &Bound<'_, PyAny>) -> PyResult<()> {
+    fn set_control(&self, control: &Bound<'_, PyAny>) -> PyResult<()> {
         let width = self.model.get().nu();
         let rows = controls(control, &[self.count, width])?;
-        let inner = self.inner.get_mut()?;
+        let mut inner = self.inner.get_mut()?;
         for (index, row) in rows.chunks_exact(width.max(1)).enumerate() {
-            inner.set_control(index, row).map_err(|error| PyValueError::new_err(error.to_string()))?;
+            inner.0.set_control(index, row).map_err(|error| PyValueError::new_err(error.to_string()))?;
         }
         Ok(())
     }
@@ -81,7 +79,7 @@ impl Batch {
 
     /// Why a simulation is not stepped any more; None if it is.
     fn fault(&self, index: usize) -> PyResult<Option<String>> {
-        Ok(self.inner.get()?.fault(index).map(Fault::to_string))
+        Ok(self.inner.get()?.0.fault(index).map(Fault::to_string))
     }
 
     #[getter]
@@ -97,7 +95,7 @@ impl Batch {
 impl Batch {
     fn present(&self, index: usize) -> PyResult<State<f64>> {
         let mut state = State::new(&self.model.get().inner);
-        self.inner.get()?.get(index, &mut state).map_err(|error| PyIndexError::new_err(error.to_string()))?;
+        self.inner.get()?.0.get(index, &mut state).map_err(|error| PyIndexError::new_err(error.to_string()))?;
         Ok(state)
     }
 
@@ -108,10 +106,10 @@ impl Batch {
             width = part(&state).len();
             rows.extend_from_slice(part(&state));
         }
-        arrays::table(py, &rows, width, false)
+        arrays::table(py, &rows, [self.count, width], false)
     }
 }
 
-fn pool(workers: usize) -> PyResult<Arc<ThreadPool>> {
-    ThreadPoolBuilder::new().num_threads(workers).build().map(Arc::new).map_err(|error| no_threads(&error))
+fn pool(workers: usize) -> PyResult<ThreadPool> {
+    ThreadPoolBuilder::new().num_threads(workers).build().map_err(|error| no_threads(&error))
 }

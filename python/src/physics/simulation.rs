@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 use std::sync::Arc;
 
 /// A model with its state, and what was computed from it last.
-#[pyclass(module = "msk.physics")]
+#[pyclass(frozen, module = "msk.physics")]
 pub struct Simulation {
     model: Py<Model>,
     inner: Guarded<(State<f64>, Workspace<f64>)>,
@@ -27,7 +27,7 @@ impl Simulation {
 
     /// Takes `count` steps of the model's timestep.
     #[pyo3(signature = (count = 1))]
-    fn step(&mut self, py: Python<'_>, count: usize) -> PyResult<()> {
+    fn step(&self, py: Python<'_>, count: usize) -> PyResult<()> {
         let model = Arc::clone(&self.model.get().inner);
         in_portions(py, count, |steps| {
             let model = &*model;
@@ -38,7 +38,7 @@ impl Simulation {
     }
 
     /// Computes everything from positions to accelerations, without advancing time.
-    fn forward(&mut self, py: Python<'_>) -> PyResult<()> {
+    fn forward(&self, py: Python<'_>) -> PyResult<()> {
         let model = Arc::clone(&self.model.get().inner);
         self.inner
             .change(py, move |(state, workspace)| physics::forward(&model, state, workspace))?
@@ -46,7 +46,7 @@ impl Simulation {
     }
 
     /// Puts everything back to the reference configuration at rest.
-    fn reset(&mut self, py: Python<'_>) -> PyResult<()> {
+    fn reset(&self, py: Python<'_>) -> PyResult<()> {
         let model = Arc::clone(&self.model.get().inner);
         self.inner.change(py, move |(state, _)| *state = State::new(&model))
     }
@@ -55,16 +55,16 @@ impl Simulation {
         state::arrays(py, &self.inner.get()?.0, &self.model.get().inner)
     }
 
-    fn set_state(&mut self, arrays: &Bound<'_, PyDict>) -> PyResult<()> {
-        let (state, _) = self.inner.get_mut()?;
-        *state = state::replaced(state, arrays, &self.model.get().inner)?;
+    fn set_state(&self, arrays: &Bound<'_, PyDict>) -> PyResult<()> {
+        let mut inner = self.inner.get_mut()?;
+        inner.0 = state::replaced(&inner.0, arrays, &self.model.get().inner)?;
         Ok(())
     }
 
     /// Sets the controls, one per actuator.
-    fn set_control(&mut self, control: &Bound<'_, PyAny>) -> PyResult<()> {
-        let (state, _) = self.inner.get_mut()?;
-        state.control = controls(control, &[state.control.len()])?;
+    fn set_control(&self, control: &Bound<'_, PyAny>) -> PyResult<()> {
+        let mut inner = self.inner.get_mut()?;
+        inner.0.control = controls(control, &[inner.0.control.len()])?;
         Ok(())
     }
 

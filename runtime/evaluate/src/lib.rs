@@ -9,12 +9,15 @@
 //!    play it again.
 //! 5. A [`Summary`] summarizes the episodes of each task; [`report`] prints it for people.
 //!
+//! A [`collection`] keeps every control step of its episodes, as a data set for learners.
+//!
 //! Tasks themselves are evaluated, too: [`testing`] plays the tests in task files, searches for exploits and mutates tasks; [`probe`]
 //! runs the lints that need the body.
 
 // Results agree between machines to the bit: see `clippy.toml`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+pub mod collection;
 pub mod compare;
 mod desk;
 mod episode_set;

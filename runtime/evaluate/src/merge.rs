@@ -130,7 +130,7 @@ pub fn merge(shards: &[PathBuf], out: &Path) -> Result<Merged, MergeError> {
 }
 
 /// The whole run of which all folders hold shards.
-fn settings(shards: &[PathBuf]) -> Result<RunSettings, MergeError> {
+pub(crate) fn settings(shards: &[PathBuf]) -> Result<RunSettings, MergeError> {
     let mut whole: Option<(RunSettings, &Path)> = None;
     for folder in shards {
         let own = Reader::open(folder)?.settings().whole();
@@ -154,7 +154,7 @@ fn summary(shard: &Path) -> Result<Summary, MergeError> {
     serde_json::from_str(&text).map_err(|error| cannot(error.to_string()))
 }
 
-fn must_be_whole(settings: &RunSettings, done: &EpisodeSet, skipped: &[(usize, String)]) -> Result<(), MergeError> {
+pub(crate) fn must_be_whole(settings: &RunSettings, done: &EpisodeSet, skipped: &[(usize, String)]) -> Result<(), MergeError> {
     let episodes = settings.protocol.episodes;
     let places = 0..settings.tasks.len();
     let played: Vec<usize> = places.filter(|place| !skipped.iter().any(|(known, _)| known == place)).collect();
@@ -168,8 +168,10 @@ fn must_be_whole(settings: &RunSettings, done: &EpisodeSet, skipped: &[(usize, S
 }
 
 /// The episodes of all shards in the order of the plan, each once.
-struct InOrder {
+pub(crate) struct InOrder {
     parts: Vec<Part>,
+    /// Where the last episode was found.
+    found: PathBuf,
     /// After an error there is nothing more.
     over: bool,
 }
@@ -183,11 +185,17 @@ struct Part {
 }
 
 impl InOrder {
-    fn open(shards: &[PathBuf]) -> Result<Self, MergeError> {
+    pub fn open(shards: &[PathBuf]) -> Result<Self, MergeError> {
         let open = |folder: &PathBuf| -> Result<Part, MergeError> {
             Ok(Part { folder: folder.clone(), episodes: Reader::open(folder)?.peekable(), last: None })
         };
-        Ok(Self { parts: shards.iter().map(open).collect::<Result<_, _>>()?, over: false })
+        let parts = shards.iter().map(open).collect::<Result<_, _>>()?;
+        Ok(Self { parts, found: PathBuf::new(), over: false })
+    }
+
+    /// The folder of the last episode, the first one of those that have it.
+    pub fn last_folder(&self) -> &Path {
+        &self.found
     }
 
     /// The next episode, of all shards that have it.
@@ -216,7 +224,10 @@ impl InOrder {
                 Some(_) => {}
             }
         }
-        Ok(found.map(|(_, record)| (job, record)))
+        Ok(found.map(|(folder, record)| {
+            self.found = folder;
+            (job, record)
+        }))
     }
 }
 

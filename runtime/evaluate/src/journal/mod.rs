@@ -38,8 +38,8 @@ const LOCK: &str = ".lock";
 const LARGEST_SETTINGS: u64 = 64 << 20;
 /// Most bytes of a line that is read: a record with tens of thousands of terms, metrics and parameters.
 const LARGEST_LINE: u64 = 16 << 20;
-/// Most bytes of a trace that is taken over.
-const LARGEST_TRACE: u64 = 1 << 32;
+/// Most bytes of an archive that is taken over.
+const LARGEST_ARCHIVE: u64 = 1 << 32;
 
 /// An open journal. It may be shared between threads; the folder is locked against other processes while it lives.
 #[derive(Debug)]
@@ -218,15 +218,19 @@ impl Journal {
         };
         // What is no file, such as a link out of the folder, is an error of reading it: no trace is left out silently.
         for entry in traces.entries(Path::new("")).map_err(unusable)?.iter().filter(|entry| entry.kind != Kind::Folder) {
-            let gone = || StorageError::System {
-                action: "read",
-                path: traces.path().join(&entry.name),
-                source: ErrorKind::NotFound.into(),
-            };
-            let bytes = traces.read(&entry.name, LARGEST_TRACE).and_then(|bytes| bytes.ok_or_else(gone)).map_err(unusable)?;
+            let bytes = adopted(&traces, &entry.name).map_err(unusable)?;
             self.write_below(&format!("{TRACES}/{}", entry.name.display()), bytes)?;
         }
         Ok(())
+    }
+
+    /// Takes over a file of another journal's folder.
+    ///
+    /// # Errors
+    /// A file that cannot be read or written.
+    pub(crate) fn adopt_file(&self, other: &Path, name: &str) -> Result<(), JournalError> {
+        let bytes = Folder::open(other).and_then(|folder| adopted(&folder, Path::new(name)));
+        self.write(name, bytes.map_err(|source| JournalError::Unusable { folder: other.into(), source })?)
     }
 
     /// Keeps an episode whose turn has not come, so that it need not be played again if the program ends before.
@@ -350,6 +354,12 @@ impl RunSettings {
         // What is no stranger has its place.
         Ok((self.place(&line.record).unwrap_or_default(), line.record.episode))
     }
+}
+
+/// A file of another journal, which must be there.
+fn adopted(folder: &Folder, name: &Path) -> Result<Vec<u8>, StorageError> {
+    let gone = || StorageError::System { action: "read", path: folder.path().join(name), source: ErrorKind::NotFound.into() };
+    folder.read(name, LARGEST_ARCHIVE)?.ok_or_else(gone)
 }
 
 /// The log of that name, opened when it is first needed.

@@ -1,13 +1,13 @@
 //! The arrays of an episode, and what their columns are.
 
-use crate::error::Error;
-use crate::policies::Recorder;
-use msk::compiler::task::Channel;
-use msk::evaluate::{EpisodeRecord, npz::NpzWriter};
-use msk::runtime::episode::{Ending, Environment, single_precision};
-use msk::runtime::policy::{ActsOn, Policy};
+use super::ActionRecorder;
+use crate::EpisodeRecord;
+use crate::npz::NpzWriter;
+use msk_program::task::Channel;
+use msk_runtime::episode::{Ending, Environment, single_precision};
+use msk_runtime::policy::{ActsOn, Policy};
 use serde_json::{Value, json};
-use std::io::Cursor;
+use std::io::{self, Cursor};
 
 /// The file that names the columns.
 pub const LAYOUT: &str = "data.json";
@@ -51,7 +51,7 @@ impl Recording {
     ///
     /// # Errors
     /// More than an archive holds.
-    pub fn archive(&self, (actions, width): (&[f64], usize), record: &EpisodeRecord) -> Result<Vec<u8>, Error> {
+    pub fn archive(&self, (actions, width): (&[f64], usize), record: &EpisodeRecord) -> io::Result<Vec<u8>> {
         let [observation, critic, terms] = self.widths;
         let rows = self.steps;
         let last = |ends: bool| (0..rows).map(|step| ends && step + 1 == rows).collect::<Vec<bool>>();
@@ -76,7 +76,7 @@ impl Recording {
 ///
 /// # Errors
 /// Numbers that JSON does not have.
-pub fn layout(environment: &Environment, policy: &Recorder<'_>) -> Result<String, Error> {
+pub fn layout(environment: &Environment, policy: &ActionRecorder<'_>) -> serde_json::Result<String> {
     let task = environment.task();
     let part = |channel: &Channel| {
         let Channel { name, offset, size, unit } = channel;

@@ -1,0 +1,7 @@
+"""``python -m msk.ray``."""
+
+import sys
+
+from .command import main
+
+sys.exit(main())
