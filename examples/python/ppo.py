@@ -310,6 +310,12 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=Settings.seed)
     parser.add_argument("--num-envs", type=int, default=Settings.num_envs)
     parser.add_argument(
+        "--deviation",
+        type=float,
+        default=Settings.first_deviation,
+        help="standard deviation of the first actions",
+    )
+    parser.add_argument(
         "--minutes", type=float, default=10.0, help="how long this run takes"
     )
     parser.add_argument(
@@ -328,9 +334,13 @@ def main() -> None:
     if given.resume:
         trainer = Trainer.load(given.resume)
     else:
-        trainer = Trainer(
-            Settings(task=given.task, seed=given.seed, num_envs=given.num_envs)
+        settings = Settings(
+            task=given.task,
+            seed=given.seed,
+            num_envs=given.num_envs,
+            first_deviation=given.deviation,
         )
+        trainer = Trainer(settings)
     folder = given.out or Path("runs") / trainer.envs.task.name
     folder.mkdir(parents=True, exist_ok=True)
     begun, saved, updates = time.monotonic(), time.monotonic(), 0

@@ -135,9 +135,10 @@ def create(
     envs: VecEnv,
     seed: int,
     logs: Path | None,
+    deviation: float = 0.2,
     **settings: Any,
 ) -> BaseAlgorithm:
-    """A new learner, with settings that suit hundreds of muscles: small first actions."""
+    """A new learner. A small deviation of PPO's first actions suits hundreds of muscles, a larger one a few."""
     normalised = VecNormalize(envs, gamma=0.99)
     shared = {
         "seed": seed,
@@ -146,7 +147,7 @@ def create(
         "gamma": 0.99,
     }
     if algorithm is PPO:
-        policy = {"net_arch": [256, 256], "log_std_init": float(np.log(0.2))}
+        policy = {"net_arch": [256, 256], "log_std_init": float(np.log(deviation))}
         return PPO(
             "MlpPolicy",
             normalised,
@@ -177,6 +178,9 @@ def main() -> None:
     )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--num-envs", type=int, default=32)
+    parser.add_argument(
+        "--deviation", type=float, default=0.2, help="of PPO's first actions"
+    )
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument(
         "--resume",
@@ -192,7 +196,7 @@ def main() -> None:
     if given.resume:
         model = load(algorithm, envs, given.resume)
     else:
-        model = create(algorithm, envs, given.seed, folder)
+        model = create(algorithm, envs, given.seed, folder, given.deviation)
     callback = Progress(folder / "latest", given.minutes)
     begun = time.monotonic()
     model.learn(

@@ -12,7 +12,7 @@ from .shards import node_processors
 from .worker import Plan, Worker
 
 #: How long a worker may take to start, s.
-_STARTING = 60.0
+_STARTING = 180.0
 #: Workers that may die one after the other, without a rollout in between.
 _DEATHS = 5
 
