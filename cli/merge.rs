@@ -14,7 +14,8 @@ use std::process::ExitCode;
 ///
 /// `msk eval --shard 1/3`, `2/3` and `3/3` with the same other options play a third of the episodes of every task each. The
 /// merged run.json, episodes.jsonl, summary.json and report.md have the bytes that one machine would have written; wall_times.jsonl and traces are taken
-/// over. So are the archives of a data set, the shards of which `msk collect --shard` has played. Shards may overlap; an episode that two of them have must be the same in both.
+/// over. So are the archives of a data set, the shards of which `msk collect --shard` has played. Shards may overlap; an episode that two of
+/// them have must be the same in both.
 #[derive(clap::Args)]
 pub struct Args {
     /// Folders of the results of the shards

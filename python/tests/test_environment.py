@@ -9,7 +9,7 @@ import pytest
 from gymnasium.error import ResetNeeded
 
 import msk
-from conftest import CALM, REPOSITORY, actions, short
+from conftest import CALM, REPOSITORY, SHORT, actions, short
 
 
 def play(env: msk.Env, steps: int, seed: int = 0) -> list[tuple[np.ndarray, float]]:
@@ -419,3 +419,13 @@ def test_a_state_has_strengths_masses_and_frictions(long: msk.Env):
     assert np.all(long.state["strength"] == 0.5) and np.all(long.state["friction"] == 0.3)
     with pytest.raises(ValueError, match="`mass_scale` has 0 at 0: expected more than 0"):
         long.reset(options={"state": {"mass_scale": np.zeros_like(state["mass_scale"])}})
+
+
+def test_one_of_several_tasks_of_a_file(tmp_path):
+    file = tmp_path / "two.msk"
+    file.write_text(SHORT + SHORT.replace("balance", "other"))
+    assert msk.compile(f"{file}@other").name == msk.compile(file, task="other").name == "other"
+    with pytest.raises(ValueError, match="there is no task `third` in"):
+        msk.make(f"{file}@third")
+    with pytest.raises(ValueError, match="contains 2 tasks: balance, other"):
+        msk.make(file)
