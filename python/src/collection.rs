@@ -24,7 +24,6 @@ fn content(totals: &Totals) -> Content {
 /// Errors in the file, a policy that does not exist, a folder that cannot be used; what Python's signals raise.
 #[pyfunction]
 #[pyo3(signature = (path, task, parameters, policy, protocol, shard, out))]
-#[expect(clippy::too_many_arguments, reason = "the Python part gives them names")]
 pub fn collect(
     py: Python<'_>,
     path: PathBuf,
