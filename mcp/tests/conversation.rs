@@ -215,7 +215,7 @@ async fn an_agent_controls_a_body_one_decision_after_the_other() {
     assert_eq!(talk.ask("session_status", json!({ "folder": "try" })).await["tracking"], json!(null));
     assert!(talk.refused("session_submit", action(0.0)).await.contains("the session has stopped"));
     let bad = json!({ "task": "lean", "folder": "other", "hold": 0.015 });
-    assert!(talk.refused("session_init", bad).await.contains("held for whole control steps"));
+    assert!(talk.refused("session_init", bad).await.contains("held for a whole number of control steps"));
     assert!(talk.refused("session_status", json!({ "folder": "../try" })).await.contains("leads out of the project"));
     assert!(talk.refused("session_status", json!({ "folder": "." })).await.contains("has no session"));
 }
