@@ -214,11 +214,12 @@ impl Mpo {
 
     /// Keeps the transitions of a step whose rewards are now known over `steps`, or to the end of their episode.
     fn remember(&mut self, play: &Play, before: &[f64], actions: &[f32]) {
-        let ([whole, _], entries, terms, last) = (play.widths(), play.entries(), play.terms(), play.last());
+        let ([whole, _], entries, terms) = (play.widths(), play.entries(), play.terms());
+        let (last, values) = (play.last(), play.values());
         for (slot, pending) in self.pending.iter_mut().enumerate() {
             let part = slot * whole..(slot + 1) * whole;
             let action = actions[slot * entries..(slot + 1) * entries].to_vec();
-            let values = play.values[slot * terms..(slot + 1) * terms].to_vec();
+            let values = values[slot * terms..(slot + 1) * terms].to_vec();
             pending.push_back(Pending { row: before[part.clone()].to_vec(), action, values });
             let ended = last.ended[slot];
             let next = if ended { &play.final_rows } else { play.rows() };

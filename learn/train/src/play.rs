@@ -22,8 +22,6 @@ pub(crate) struct Play {
     /// The last rows of the episodes that ended in the last step, in their slots.
     pub final_rows: Vec<f64>,
     actions: Vec<f64>,
-    /// Of the last step, slot after slot: the value of each term before its weight, 0 where a fault ended the episode.
-    pub values: Vec<f64>,
     /// Episodes that ended since they were last taken.
     pub ends: Vec<EpisodeEnd>,
 }
@@ -63,7 +61,6 @@ impl Play {
             rows: Vec::new(),
             final_rows: Vec::new(),
             actions: vec![0.0; slots.get() * engine.action_size()],
-            values: Vec::new(),
             ends: Vec::new(),
         };
         play.look();
@@ -156,27 +153,22 @@ impl Play {
                 *running = 0.0;
             }
         }
-        self.look_at_terms();
         self.look();
         Ok(())
     }
 
-    /// Takes in the terms of the last step.
-    fn look_at_terms(&mut self) {
+    /// Of the last step, slot after slot: the value of each term before its weight, 0 where a fault ended the episode.
+    pub fn values(&self) -> Vec<f64> {
         let terms = self.terms();
-        self.values.clear();
-        for episode in self.environment.episodes() {
-            // Before the first step of an episode there are none.
-            let found = &episode.report().terms;
-            self.values.extend((0..terms).map(|term| found.get(term).copied().unwrap_or_default()));
-        }
+        let padded = |found: &[f64]| (0..terms).map(|term| found.get(term).copied().unwrap_or_default()).collect::<Vec<_>>();
+        let mut values: Vec<f64> = self.environment.episodes().flat_map(|episode| padded(&episode.report().terms)).collect();
+        // The slots of episodes that have ended hold the next ones already.
         for end in &self.environment.last().ends {
-            let of_slot = &mut self.values[end.slot * terms..(end.slot + 1) * terms];
-            of_slot.iter_mut().enumerate().for_each(|(term, value)| *value = end.terms.get(term).copied().unwrap_or_default());
-            if matches!(end.ending, Ending::Fault(_)) {
-                of_slot.fill(0.0);
-            }
+            let faulty = matches!(end.ending, Ending::Fault(_));
+            let own = if faulty { vec![0.0; terms] } else { padded(&end.terms) };
+            values[end.slot * terms..(end.slot + 1) * terms].copy_from_slice(&own);
         }
+        values
     }
 
     /// The present episodes, slot by slot.

@@ -172,7 +172,7 @@ impl Layout {
 impl Block {
     /// Rounds the numbers of a full block to integers within the span of their column.
     fn compact(&mut self, columns: usize) {
-        let singles = singles(&self.numbers.0);
+        let singles: Vec<f32> = singles(&self.numbers.0).collect();
         self.spans = (0..columns)
             .map(|column| {
                 let of = || singles.iter().skip(column).step_by(columns).copied();
@@ -206,8 +206,8 @@ impl Block {
 }
 
 /// The numbers of bytes in single precision.
-fn singles(bytes: &[u8]) -> Vec<f32> {
-    bytes.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect()
+fn singles(bytes: &[u8]) -> impl Iterator<Item = f32> {
+    bytes.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes))
 }
 
 #[cfg(test)]

@@ -162,14 +162,14 @@ impl Sac {
 
     /// Keeps the transitions of a step.
     fn remember(&mut self, play: &Play, before: &[f64], actions: &[f32]) {
-        let ([whole, _], entries) = (play.widths(), play.entries());
-        let last = play.last();
+        let ([whole, _], entries, terms) = (play.widths(), play.entries(), play.terms());
+        let (last, values) = (play.last(), play.values());
         for slot in 0..play.slots() {
             let part = slot * whole..(slot + 1) * whole;
             let next = if last.ended[slot] { &play.final_rows } else { play.rows() };
             let action = &actions[slot * entries..(slot + 1) * entries];
             let discount = if last.terminated[slot] { 0.0 } else { self.discount as f32 };
-            let values = &play.values[slot * play.terms()..(slot + 1) * play.terms()];
+            let values = &values[slot * terms..(slot + 1) * terms];
             self.replay.push(&before[part.clone()], action, &next[part], values, discount);
         }
     }
