@@ -1,6 +1,7 @@
 //! Numbers on the command line.
 
 use msk::compiler::numbers::exact;
+use std::num::NonZeroUsize;
 
 /// Reads a number from `low` to `high`, both of which it may be: neither infinite nor NaN, which compare with nothing, nor of a size
 /// that what is computed from it cannot have.
@@ -9,6 +10,12 @@ pub fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clo
         let number = text.trim().parse().ok().filter(|number: &f64| *number >= low && *number <= high);
         number.ok_or_else(|| format!("`{text}` is not a number from {} to {}", exact(low), exact(high)))
     }
+}
+
+/// The threads that `--threads` asks for; without it one for each core.
+pub fn threads(asked: Option<u16>) -> NonZeroUsize {
+    let asked = asked.and_then(|threads| NonZeroUsize::new(threads.into()));
+    asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN)
 }
 
 #[cfg(test)]

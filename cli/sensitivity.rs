@@ -6,6 +6,7 @@ use crate::condition::Condition;
 use crate::error::Error;
 use crate::eval;
 use crate::interrupt::Interrupt;
+use crate::numbers::threads;
 use crate::output;
 use crate::overlays::Overlays;
 use crate::policies::Limits;
@@ -18,7 +19,6 @@ use msk::compiler::weights::Bounds;
 use msk::evaluate::{self, Plan, Protocol, Resumed, RunSettings, Shard, Summary, Trial};
 use msk_storage::Folder;
 use std::io::Write;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -105,9 +105,8 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 /// Plays the missing episodes of a variant; `None` after an interruption.
 fn play(plan: &Plan, folder: &Path, interrupt: &Interrupt) -> Result<Option<Summary>, Error> {
     let (journal, resumed) = Resumed::open(folder, plan, &RunSettings::of(plan)).map_err(eval::explain)?;
-    let threads = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let progress = Progress::new(plan, &resumed);
-    let outcome = evaluate::run(plan, resumed, &journal, threads, interrupt.stop(), &progress)?;
+    let outcome = evaluate::run(plan, resumed, &journal, threads(None), interrupt.stop(), &progress)?;
     progress.finish();
     let summary = outcome.summary;
     journal.write("summary.json", summary.json()).map_err(eval::explain)?;

@@ -6,13 +6,14 @@ use crate::condition::Condition;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::named::by_name;
+use crate::numbers::threads;
 use crate::progress;
 use crate::project::{Project, Settings as Parameters};
 use crate::terminal;
 use indicatif::{HumanDuration, ProgressBar};
 use lessons::Named;
 use msk::compiler::numbers::for_people;
-use msk::evaluate::BUILD;
+use msk::evaluate::{BUILD, Trial};
 use msk::runtime::episode::Engine;
 use msk::train::session::{BEST_BY_RETURN, BEST_BY_SUCCESS, Ended, Observer, Progress, Session};
 use msk::train::{Algorithm, Evaluation, Lessons, Preset, Provenance, ReplaySize, Round, Settings, TrainError, Training};
@@ -107,10 +108,8 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let settings = settings(&args)?;
     let (_, mut trial) = Project::find(&args.task, &args.parameters.settings)?;
     args.condition.apply(std::slice::from_mut(&mut trial))?;
-    let engine = Engine::new(trial.body.model.clone(), trial.body.body.clone(), trial.task.clone())?
-        .with_fatigue(trial.body.condition.fatigue.clone());
-    let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
-    let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
+    let engine = trial.engine()?;
+    let threads = threads(args.threads);
     let lessons = args.lessons.lessons(&engine)?;
     let interrupt = Interrupt::listen()?;
     let there = args.out.as_deref().map(Session::identity_in).transpose()?.flatten();
@@ -123,12 +122,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
         },
         (None, _) => args.steps.unwrap_or(1_000_000),
     };
-    let provenance = Provenance {
-        model_hash: trial.body.hash().to_owned(),
-        condition: trial.body.condition.to_string(),
-        build: BUILD.to_owned(),
-    };
-    let training = Training::with(&engine, &settings, &lessons, (args.seed, steps), threads)?.with_provenance(provenance);
+    let training = Training::with(&engine, &settings, &lessons, (args.seed, steps), threads)?.with_provenance(provenance(&trial));
     let folder = match &args.out {
         Some(folder) => folder.clone(),
         None => crate::eval::fresh_folder(&format!("{}-{}", trial.task.name, settings.algorithm.name()))?,
@@ -163,6 +157,11 @@ fn settings(args: &Args) -> Result<Settings, Error> {
         return Ok(Settings::of(args.algorithm.unwrap_or_default(), args.preset.unwrap_or_default()));
     };
     read_settings(path)
+}
+
+/// Where a training of this trial runs.
+pub fn provenance(trial: &Trial) -> Provenance {
+    Provenance { model_hash: trial.body.hash().to_owned(), condition: trial.body.condition.to_string(), build: BUILD.to_owned() }
 }
 
 /// The settings of a learner in a file.

@@ -6,7 +6,7 @@ use self::learner::Wanted;
 use crate::condition::Condition;
 use crate::error::{Error, FAILURE};
 use crate::interrupt::Interrupt;
-use crate::numbers::within;
+use crate::numbers::{threads, within};
 use crate::overlays::Overlays;
 use crate::policies::Limits;
 use crate::progress;
@@ -18,7 +18,6 @@ use msk::evaluate::EpisodeRecord;
 use msk::tuning::reasoner::{Reasoner, RuleBook, from_file};
 use msk::tuning::session::{Ended, KeptRules, Objective, OnFailure, Round, Session, Settings, Watcher};
 use std::io::Write;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -128,8 +127,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     let (project, mut trial) = Project::find(&args.task, &args.parameters.settings)?;
     args.condition.apply(std::slice::from_mut(&mut trial))?;
     args.overlays.apply(&project, std::slice::from_mut(&mut trial))?;
-    let asked = args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
-    let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
+    let threads = threads(args.threads);
     let folder = match args.out {
         Some(folder) => folder,
         None => crate::eval::fresh_folder(&format!("{}-tune", trial.task.name))?,

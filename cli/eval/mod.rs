@@ -11,6 +11,7 @@ use crate::condition::Condition;
 use crate::error::Error;
 use crate::interrupt::Interrupt;
 use crate::levels::LevelArgs;
+use crate::numbers::threads;
 use crate::output;
 use crate::overlays::Overlays;
 use crate::policies::Limits;
@@ -23,7 +24,6 @@ use msk::runtime::policy::PolicySource;
 use msk::tuning::live::Live;
 use protocol::Chosen;
 use std::io::{self, Write};
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -175,8 +175,7 @@ impl Evaluation<'_> {
             let (there, all) = (resumed.episodes(), plan.episodes());
             writeln!(terminal::notes(), "resuming `{}`: {there} of {all} episodes exist", folder.display())?;
         }
-        let asked = self.args.threads.and_then(|threads| NonZeroUsize::new(threads.into()));
-        let threads = asked.or_else(|| std::thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
+        let threads = threads(self.args.threads);
         let progress = Progress::new(plan, &resumed);
         let feed = self.live.map(|live| live as &dyn evaluate::Feed);
         let tracing = self.args.traces.tracing();

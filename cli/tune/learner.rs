@@ -1,11 +1,12 @@
 //! `--policy "learner ..."`: an agent that learns before each round by the weights in force.
 
 use crate::error::Error;
+use crate::train::{provenance, read_settings};
 use indicatif::ProgressBar;
-use msk::evaluate::{BUILD, Trial};
+use msk::evaluate::Trial;
 use msk::runtime::policy::{PolicyError, PolicySource};
 use msk::train::session::{Ended, Observer, Progress, Session};
-use msk::train::{Agent, Algorithm, Evaluation, Lessons, Preset, Provenance, Round, Settings, Training, source_of};
+use msk::train::{Agent, Algorithm, Evaluation, Lessons, Preset, Round, Settings, Training, source_of};
 use msk::tuning::session::{Learner, LearnerError};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -41,7 +42,7 @@ impl Wanted {
         let settings = match (rest.trim(), known) {
             ("", _) => Settings::default(),
             (_, Some((_, algorithm))) => Settings::of(algorithm, Preset::Fast),
-            (file, None) => crate::train::read_settings(Path::new(file))?,
+            (file, None) => read_settings(Path::new(file))?,
         };
         if settings.algorithm == Algorithm::Clone {
             return Err(
@@ -60,13 +61,9 @@ impl Wanted {
         let (seed, rounds) = key;
         let start = self.start.as_deref().map(Agent::read).transpose()?.map(Arc::new);
         let lessons = Lessons { start, ..Lessons::default() };
-        let provenance = Provenance {
-            model_hash: trial.body.hash().to_owned(),
-            condition: trial.body.condition.to_string(),
-            build: BUILD.to_owned(),
-        };
         let key = (seed, self.steps.saturating_mul(rounds));
-        let training = Training::with(&trial.engine()?, &self.settings, &lessons, key, threads)?.with_provenance(provenance);
+        let training =
+            Training::with(&trial.engine()?, &self.settings, &lessons, key, threads)?.with_provenance(provenance(trial));
         let (session, _) = Session::open(&folder.join(TRAINING), training)?;
         Ok(Learning { name: self.name.clone(), session, steps: self.steps, bar: ProgressBar::hidden() })
     }
