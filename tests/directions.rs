@@ -13,7 +13,7 @@ const ALLOWED: [(&str, &[&str]); 18] = [
     ("msk-storage", &[]),
     ("msk-physics", &["msk-storage", "msk-text"]),
     ("msk-program", &["msk-text"]),
-    ("msk-compiler", &["msk-program"]),
+    ("msk-compiler", &["msk-program", "msk-text"]),
     ("msk-network", &[]),
     ("msk-settings", &["msk-text"]),
     ("msk-runtime", &["msk-physics", "msk-program", "msk-storage"]),

@@ -1,5 +1,6 @@
 //! Characters of a text that would act on a terminal, reorder a line or hide in it, made visible.
 
+use msk_text::is_invisible;
 use std::borrow::Cow;
 
 /// The text with a visible stand-in for every such character: the control pictures of Unicode for those of ASCII, `<U+202E>` for
@@ -32,18 +33,17 @@ fn stand_in(text: &str, at: usize, character: char) -> Option<String> {
         '\r' if text[at..].starts_with("\r\n") => None,
         '\0'..='\u{1f}' => char::from_u32(0x2400 + u32::from(character)).map(String::from),
         '\u{7f}' => Some("\u{2421}".to_owned()),
-        '\u{80}'..='\u{9f}'
-        | '\u{61c}'
-        | '\u{200b}'
-        | '\u{200e}'
-        | '\u{200f}'
-        | '\u{2028}'..='\u{202e}'
-        | '\u{2060}'..='\u{206f}'
-        | '\u{feff}'
-        | '\u{fff9}'..='\u{fffb}'
-        | '\u{e0000}'..='\u{e007f}' => Some(format!("<U+{:04X}>", u32::from(character))),
+        _ if is_invisible(character) || hides(character) => Some(format!("<U+{:04X}>", u32::from(character))),
         _ => None,
     }
+}
+
+/// Whether a character has no width, or is a mark that programs exchange: harmless on a terminal, and misleading in a source.
+fn hides(character: char) -> bool {
+    matches!(
+        character,
+        '\u{200b}' | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}'
+    )
 }
 
 #[cfg(test)]
