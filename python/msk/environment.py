@@ -326,6 +326,15 @@ def spaces(task: Task, dtype: DTypeLike) -> tuple[gymnasium.spaces.Box, gymnasiu
     return observation, gymnasium.spaces.Box(-1.0, 1.0, (len(task.actions),), np.float32)
 
 
+def checked_batches(num_envs: int, batch_size: int) -> int:
+    """How many batches the slots make."""
+    if batch_size < 1 or num_envs < batch_size or num_envs % batch_size:
+        raise ValueError(
+            f"expected a batch size that divides the number of environments, found {batch_size} and {num_envs}"
+        )
+    return num_envs // batch_size
+
+
 def checked_seed(seed: Any) -> int:
     """A seed that Rust and NumPy hold."""
     if not 0 <= int(seed) <= LARGEST_SEED:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from .environment import prepared
+from .environment import checked_batches, prepared
 from .tasks import Parameters, Task, Weights
 from .vector import VectorEnv
 
@@ -49,14 +49,11 @@ class Pipeline:
         weights: Weights | None = None,
         **settings: Any,
     ) -> None:
-        if batch_size < 1 or num_envs < batch_size or num_envs % batch_size:
-            raise ValueError(
-                f"expected a batch size that divides the number of environments, found {batch_size} and {num_envs}"
-            )
+        count = checked_batches(num_envs, batch_size)
         self.task = prepared(task, params, weights)
         self.num_envs, self.batch_size = num_envs, batch_size
         #: The batches. Weights, progress and states of one are set and read between its ``recv`` and the ``send`` after it.
-        self.batches = tuple(VectorEnv(self.task, batch_size, **settings) for _ in range(num_envs // batch_size))
+        self.batches = tuple(VectorEnv(self.task, batch_size, **settings) for _ in range(count))
         # One queue: a step of one batch after the other, in the order in which they are sent.
         queue = _native.Queue()
         for batch in self.batches:

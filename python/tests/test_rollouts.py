@@ -184,13 +184,13 @@ def test_workers_that_always_die_are_an_error_and_no_hang(cluster, task: msk.Tas
 
 
 class Wrong(Linear):
-    """Gives actions of a wrong shape when it is told so."""
+    """Gives actions of a wrong shape when its state says so."""
 
     def __call__(self, observations, state, generator):
         return np.zeros((1, 1), np.float32) if state == "wrong" else super().__call__(observations, state, generator)
 
 
-def test_what_a_policy_does_wrong_is_told_and_the_collector_goes_on(cluster, task: msk.Task):
+def test_what_a_policy_does_wrong_is_reported_and_the_collector_goes_on(cluster, task: msk.Task):
     import msk.ray
 
     with msk.ray.Collector(task, Wrong(), **SIZES) as collector:

@@ -9,7 +9,7 @@ from typing import Any, Self
 
 import ray
 
-from ..environment import checked_seed, prepared
+from ..environment import checked_batches, checked_seed, prepared
 from ..tasks import Parameters, Task, Weights
 from .crew import Crew
 from .policies import Policy
@@ -79,17 +79,13 @@ class Collector:
         weights: Weights | None = None,
         **settings: Any,
     ) -> None:
-        if batch_size < 1 or num_envs < batch_size or num_envs % batch_size:
-            raise ValueError(
-                f"expected a batch size that divides the number of environments, found {batch_size} and {num_envs}"
-            )
+        count = checked_batches(num_envs, batch_size)
         if steps < 1:
             raise ValueError(f"expected at least one step, found {steps}")
         self.task = prepared(task, params, weights)
         checked_seed(seed + num_envs - 1)
         settings = {"clip_actions": True, **settings}
         plan = Plan(self.task, batch_size, steps, checked_seed(seed), threads or smallest_node(), settings)
-        count = num_envs // batch_size
         self._crew = Crew(plan, policy, count)
         self._groups = [_Group(number % len(self._crew)) for number in range(count)]
         #: Rollouts that are under way, with the numbers of their groups, in the order in which they were ordered.
