@@ -1,4 +1,4 @@
-"""Which features of MJCF other people's models use, counted in what MuJoCo compiles: what it pays to support.
+"""Which features of MJCF other people's models use, counted in what MuJoCo compiles: what is worth supporting.
 
     python -m pip download --no-deps -d wheels dm_control==1.0.50 myosuite==2.8.0 gymnasium==1.4.0 musclemimic-models==1.0.6
     cd wheels && unzip -o '*.whl' && cd ..

@@ -149,8 +149,8 @@ struct Line<'a, T> {
 
 /// Steps of a line search at most.
 const TRIALS: usize = 40;
-/// The derivative at which a length is taken, relative to that at its beginning: the strong Wolfe condition, which is enough for descent
-/// from anywhere (Nocedal & Wright, Numerical Optimization, 2006, section 3.2). Near the answer the full step meets it.
+/// The derivative at which a step length is accepted, relative to that at its beginning: the strong Wolfe condition, which is enough for
+/// descent from anywhere (Nocedal & Wright, Numerical Optimization, 2006, section 3.2). Near the answer the full step meets it.
 const FLAT: f64 = 1e-2;
 
 impl<T: Real> Line<'_, T> {
