@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::output;
 use crate::run::ending;
-use msk::evaluate::{EpisodeRecord, Trial};
+use msk::evaluate::{EpisodeRecord, Trial, ensure_room};
 use msk::runtime::episode::Environment;
 use msk::view::{Caption, Recorder, Recording, page};
 use std::path::Path;
@@ -17,13 +17,15 @@ impl Film {
     /// For the next episode of an environment, if it is `wanted`.
     ///
     /// # Errors
-    /// A condition of the muscles that the body cannot have.
+    /// A condition of the muscles that the body cannot have, or an episode that does not fit into memory.
     pub fn of(episode: &Environment, trial: &Trial, wanted: bool) -> Result<Self, Error> {
         if !wanted {
             return Ok(Self { recorder: None });
         }
         let strengths = trial.body.condition.strengths(&trial.body.body)?;
-        Ok(Self { recorder: Some(Recorder::new(episode, &strengths)) })
+        let recorder = Recorder::new(episode, &strengths);
+        ensure_room(&trial.task, trial.task.horizon, recorder.bytes_per_step())?;
+        Ok(Self { recorder: Some(recorder) })
     }
 
     /// Keeps what the environment shows.

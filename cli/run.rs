@@ -16,8 +16,8 @@ use crate::view::live::Live;
 use msk::compiler::numbers::{exact, fixed, for_people};
 use msk::evaluate::collection::ActionRecorder;
 use msk::evaluate::{
-    EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Shard, Summary, TraceRecorder, Tracing, Trial, play_to_horizon,
-    play_watched, replay_watched, report,
+    EpisodeRecord, EvaluationError, Journal, Plan, Protocol, Shard, Summary, TraceRecorder, Tracing, Trial, ensure_room,
+    play_to_horizon, play_watched, replay_watched, report,
 };
 use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::inspect::StateFile;
@@ -122,16 +122,24 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
 
 /// Plays the episode and reports it.
 fn play(args: &Args, trial: Trial, source: PolicySource, interrupt: &Interrupt, live: Option<&Live>) -> Result<ExitCode, Error> {
-    let mut policy = ActionRecorder::new(source.open(interrupt.stop())?);
+    let mut recorded = ActionRecorder::new(source.open(interrupt.stop())?);
     let mut episode = trial.episode()?;
+    let policy = match args.actions {
+        Some(_) => {
+            let entries = recorded.acts_on().size(&trial.task, episode.engine().body());
+            ensure_room(&trial.task, trial.task.horizon, entries * size_of::<f64>())?;
+            &mut recorded
+        }
+        None => recorded.inner_mut(),
+    };
     let key = EpisodeKey { seed: args.seed, episode: args.episode };
     if args.ignore_terminations {
-        return to_horizon(args, &trial, &mut episode, key, &mut policy);
+        return to_horizon(args, &trial, &mut episode, key, policy);
     }
     let mut film = html::Film::of(&episode, &trial, args.html.is_some() || args.live)?;
     let mut pictures = Pictures::of(&args.pictures, &episode, &trial)?;
     let steps = progress::steps(trial.task.horizon);
-    let mut recorder = recorder(args, &episode);
+    let mut recorder = recorder(args, &episode)?;
     let mut watch = |episode: &Environment| {
         steps.set_position(episode.steps().into());
         film.look(episode);
@@ -141,7 +149,7 @@ fn play(args: &Args, trial: Trial, source: PolicySource, interrupt: &Interrupt, 
             live.look(episode, &film);
         }
     };
-    let played = play_watched(&trial, &mut episode, key, &mut policy, interrupt.stop(), &mut watch);
+    let played = play_watched(&trial, &mut episode, key, policy, interrupt.stop(), &mut watch);
     steps.finish_and_clear();
     let record = match played {
         Ok(Some(record)) => record,
@@ -149,7 +157,7 @@ fn play(args: &Args, trial: Trial, source: PolicySource, interrupt: &Interrupt, 
         Err(error) => return Err(error.into()),
     };
     if let Some(path) = &args.actions {
-        write_actions(&policy, path)?;
+        write_actions(&recorded, path)?;
     }
     write_state(args, &episode)?;
     write_trace(args, recorder, &record)?;
@@ -187,9 +195,9 @@ fn write_state(args: &Args, episode: &Environment) -> Result<(), Error> {
 }
 
 /// Reads the steps of the episode, as far as a trace is asked for.
-fn recorder(args: &Args, episode: &Environment) -> TraceRecorder {
+fn recorder(args: &Args, episode: &Environment) -> Result<TraceRecorder, Error> {
     let tracing = args.trace.as_ref().map(|_| Tracing { quantities: args.trace_columns.0.clone(), episodes: u64::MAX });
-    TraceRecorder::new(episode.engine(), args.episode, tracing.as_ref())
+    Ok(TraceRecorder::new(episode.engine(), args.episode, tracing.as_ref())?)
 }
 
 /// Writes the trace where it was asked for.
@@ -255,7 +263,7 @@ fn replay_recorded(args: &Args, trial: &Trial, folder: &Path) -> Result<ExitCode
     };
     let episode = trial.episode()?;
     let mut film = html::Film::of(&episode, trial, args.html.is_some())?;
-    let mut recorder = recorder(args, &episode);
+    let mut recorder = recorder(args, &episode)?;
     let mut pictures = Pictures::of(&args.pictures, &episode, trial)?;
     let mut watch = |episode: &Environment| {
         film.look(episode);

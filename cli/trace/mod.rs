@@ -9,7 +9,8 @@ mod plot;
 pub use args::{Quantities, TraceArgs, parse};
 
 use crate::error::{Context, Error};
-use msk::evaluate::trace::{ArchiveError, MOST_BYTES, Trace};
+use msk::evaluate::MOST_BYTES;
+use msk::evaluate::trace::{ArchiveError, Trace};
 use msk_storage::{Folder, read_file};
 use std::path::Path;
 use std::process::ExitCode;

@@ -86,6 +86,22 @@ fn nothing_in_a_file_reaches_the_terminal_as_a_command() {
 }
 
 #[test]
+fn no_text_of_a_report_hides_anything() {
+    let (sources, diagnostic) = error_at("let \u{202e}x = 1\n", "x");
+    let hidden = "`\u{202e}x\u{1b}[2J`";
+    let diagnostic = diagnostic.here(hidden).expected(hidden).found(hidden).help(hidden);
+    let diagnostic = diagnostic.fix(hidden, Span::new(0, 3), "\u{202e}y");
+    let json = Report::new(sources, vec![diagnostic]).to_json();
+    let diagnostic = &json["diagnostics"][0];
+    let texts = [&diagnostic["labels"][0]["text"], &diagnostic["expected"], &diagnostic["found"], &diagnostic["help"][0]];
+    for text in texts.into_iter().chain([&diagnostic["fixes"][0]["title"]]) {
+        assert_eq!(text, "`<U+202E>x\u{241b}[2J`");
+    }
+    // What is written into the file is what was meant.
+    assert_eq!(diagnostic["fixes"][0]["edits"][0]["replacement"], "\u{202e}y");
+}
+
+#[test]
 fn the_name_of_a_file_is_no_command_either() {
     let mut sources = SourceMap::default();
     let file = sources.add("a\u{1b}]0;b\u{7}\u{2067}.msk", "x\n");

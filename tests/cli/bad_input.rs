@@ -138,3 +138,22 @@ fn wrong_use_of_the_command_line() {
         project.msk(arguments).failed(2, &[]);
     }
 }
+
+#[test]
+fn an_episode_of_which_too_much_would_be_kept_is_refused_before_it_begins() {
+    let project = Project::empty();
+    project.write("long.msk", &LEAN.replace("horizon  20 steps", "horizon  100000000 steps"));
+    let commands: [&[&str]; 6] = [
+        &["run", "long.msk", "--policy", "zero", "--trace", "long.npz"],
+        &["run", "long.msk", "--policy", "zero", "--actions", "long.npy"],
+        &["run", "long.msk", "--policy", "zero", "--html", "long.html"],
+        &["eval", "long.msk", "--policy", "zero", "--episodes", "1", "--trace", "--out", "out"],
+        &["collect", "long.msk", "--policy", "zero", "--episodes", "1", "--out", "data"],
+        &["session", "init", "long.msk", "try", "--hold", "10", "--decisions", "100000"],
+    ];
+    for command in commands {
+        project.msk(command).failed(1, &["an episode of `lean` may have 100000000 control steps", "at most 4 GiB"]);
+    }
+    // What keeps nothing of a step may last as long as it likes.
+    project.msk(&["run", "long.msk", "--policy", "zero"]).succeeded();
+}

@@ -1,4 +1,4 @@
-//! What the compiler tells: errors and warnings with exact places, what was expected and found, and fixes.
+//! What the compiler reports: errors and warnings with exact places, what was expected and found, and fixes.
 //!
 //! 1. Every stage makes [`Diagnostic`]s; none stops at the first.
 //! 2. A [`Report`] holds those of all files, sorted, beside the [`SourceMap`] they point into.
@@ -33,7 +33,9 @@ pub use source::{FileId, SourceMap, Span};
 pub use synonyms::synonyms;
 
 use serde::Serialize;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use visible::visible;
 
 /// How bad it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -180,6 +182,18 @@ impl Diagnostic {
         self
     }
 
+    /// Makes characters visible that would hide in its texts or reorder them, wherever these are shown. Places and replacements are
+    /// those of the file.
+    fn show(&mut self) {
+        let texts = [&mut self.message].into_iter().chain(self.labels.iter_mut().map(|label| &mut label.text));
+        let texts = texts.chain(&mut self.expected).chain(&mut self.found).chain(&mut self.help);
+        for text in texts.chain(self.fixes.iter_mut().map(|fix| &mut fix.title)) {
+            if let Cow::Owned(shown) = visible(text) {
+                *text = shown;
+            }
+        }
+    }
+
     /// The file of the main place.
     pub fn file(&self) -> FileId {
         self.labels.first().map_or(FileId::default(), |label| label.file)
@@ -205,8 +219,9 @@ pub const MAXIMUM_ERRORS: usize = 500;
 
 impl Report {
     /// Sorts the diagnostics, drops repetitions, and leaves at most [`MAXIMUM_ERRORS`] errors and as many warnings of each file,
-    /// with a last one that counts the others.
+    /// with a last one that counts the others. Their texts hide nothing from then on.
     pub fn new(sources: SourceMap, mut diagnostics: Vec<Diagnostic>) -> Self {
+        diagnostics.iter_mut().for_each(Diagnostic::show);
         diagnostics.sort_by(|a, b| {
             let key = |d: &Diagnostic| (d.file(), d.span().start, d.span().end, d.code.id);
             key(a).cmp(&key(b)).then_with(|| a.message.cmp(&b.message))

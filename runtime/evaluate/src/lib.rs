@@ -33,6 +33,7 @@ pub mod recordings;
 pub mod report;
 mod resumed;
 mod rollout;
+mod room;
 pub mod session;
 mod settings;
 mod shard;
@@ -51,6 +52,7 @@ pub use journal::{Journal, JournalError, Kept};
 pub use merge::{MergeError, Merged, merge};
 pub use record::{ByTerm, EpisodeRecord};
 pub use resumed::Resumed;
+pub use room::{MOST_BYTES, NoRoom, ensure_room};
 pub use settings::{BUILD, Protocol, RunSettings, TaskSettings};
 pub use shard::{Shard, ShardError};
 pub use statistics::{Moments, Spread, wilson_interval};
@@ -121,6 +123,9 @@ pub enum EvaluationError {
     /// A trace that does not fit into an archive.
     #[error("a trace cannot be kept")]
     Trace(#[from] trace::ArchiveError),
+    /// An episode of which more would be kept than fits into memory.
+    #[error(transparent)]
+    Room(#[from] NoRoom),
     /// The operating system gives no threads.
     #[error("cannot start {threads} threads")]
     Threads {

@@ -1,7 +1,7 @@
 //! Traces of the episodes of an evaluation, one file each beside the journal.
 
 use crate::trace::{Origin, Quantity, StepReader, Trace};
-use crate::{EpisodeRecord, EvaluationError, Journal, Plan, RunSettings, Trial, play_watched};
+use crate::{EpisodeRecord, EvaluationError, Journal, NoRoom, Plan, RunSettings, Trial, play_watched};
 use msk_runtime::episode::{Ending, Engine, Environment, EpisodeKey};
 use msk_runtime::policy::PolicyContext;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,14 +34,18 @@ pub struct TraceRecorder {
 
 impl TraceRecorder {
     /// Of the next episode of an engine, kept as a trace if `tracing` wants it.
-    pub fn new(engine: &Engine, episode: u64, tracing: Option<&Tracing>) -> Self {
-        let wanted = tracing.filter(|tracing| episode < tracing.episodes);
-        let recorded = wanted.map(|tracing| {
+    ///
+    /// # Errors
+    /// A trace that would not fit into memory if the episode reached its horizon.
+    pub fn new(engine: &Engine, episode: u64, tracing: Option<&Tracing>) -> Result<Self, NoRoom> {
+        let mut recorded = None;
+        if let Some(tracing) = tracing.filter(|tracing| episode < tracing.episodes) {
             let reader = StepReader::new(engine, &tracing.quantities);
+            reader.layout().ensure_room(engine.task(), engine.task().horizon)?;
             let trace = Trace::new(reader.layout().clone());
-            (reader, trace)
-        });
-        Self { recorded, rows: 0 }
+            recorded = Some((reader, trace));
+        }
+        Ok(Self { recorded, rows: 0 })
     }
 
     /// Reads the reset or the step that has just been taken. A step that met a fault has no numbers and is left out.
@@ -91,7 +95,7 @@ fn repeat(
     for (term, (_, weight)) in record.weights.0.iter().enumerate() {
         environment.set_weight(term, *weight);
     }
-    let mut recorder = TraceRecorder::new(environment.engine(), record.episode, Some(tracing));
+    let mut recorder = TraceRecorder::new(environment.engine(), record.episode, Some(tracing))?;
     let mut policy = plan.policy.open(stop)?;
     let key = EpisodeKey { seed: record.seed, episode: record.episode };
     let mut look = |environment: &Environment| recorder.look(&environment.context());

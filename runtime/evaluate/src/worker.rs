@@ -69,7 +69,7 @@ struct Seat<'a> {
 
 impl<'a> Crew<'a> {
     /// # Errors
-    /// A task that does not fit its body.
+    /// A task that does not fit its body, or whose traces do not fit into memory.
     pub fn new(
         plan: &'a Plan,
         resumed: Resumed,
@@ -82,7 +82,9 @@ impl<'a> Crew<'a> {
         let desk = Desk::new(journal, (plan.trials.len(), plan.protocol.episodes), plan.shard, kept, summarizer);
         let mut engines = BTreeMap::new();
         for (task, trial) in plan.trials.iter().enumerate().filter(|(task, _)| desk.order().misses(*task)) {
-            engines.insert(task, trial.engine()?);
+            let engine = trial.engine()?;
+            TraceRecorder::new(&engine, 0, extras.tracing)?;
+            engines.insert(task, engine);
         }
         let most = plan.policy.most_at_once().min(WIDTH);
         // Not more than that many are of interest.
@@ -204,7 +206,7 @@ impl<'c> Worker<'c, '_> {
             action: engine.action(ActsOn::Task),
             tally: Tally::new(task),
             measurement: Measurement::new(engine),
-            trace: TraceRecorder::new(engine, index, crew.extras.tracing),
+            trace: TraceRecorder::new(engine, index, crew.extras.tracing)?,
             fed,
             seconds: 0.0,
         };

@@ -72,6 +72,15 @@ impl Recorder {
         }
     }
 
+    /// Memory that a control step takes at most, in the mean over many, bytes.
+    pub fn bytes_per_step(&self) -> usize {
+        // Forces, gains and passive forces beside activations and excitations.
+        let muscles = 5 * self.anatomy.muscles.len();
+        let tracks = [&self.steps, &self.coordinates, &self.placed, &self.fatigued, &self.fibres, &self.wraps];
+        let numbers = muscles + tracks.map(Track::width).iter().sum::<usize>();
+        (numbers * size_of::<i32>()).div_ceil(self.stride as usize)
+    }
+
     /// Looks at an environment after its reset and after every control step. Steps that come faster than a display are left out, but
     /// for the one that ends the episode. A fault leaves nothing to look at.
     pub fn look(&mut self, environment: &Environment) {

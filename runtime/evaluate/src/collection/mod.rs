@@ -13,11 +13,11 @@ pub use recorder::ActionRecorder;
 pub use recording::LAYOUT;
 
 use super::{
-    EpisodeRecord, EpisodeSet, EvaluationError, Journal, JournalError, Moments, Plan, Protocol, RunSettings, Shard, Trial,
-    play_watched,
+    EpisodeRecord, EpisodeSet, EvaluationError, Journal, JournalError, Moments, NoRoom, Plan, Protocol, RunSettings, Shard,
+    Trial, play_watched,
 };
 use msk_runtime::episode::{Environment, EpisodeError, EpisodeKey};
-use msk_runtime::policy::{PolicyError, PolicySource};
+use msk_runtime::policy::{Policy, PolicyError, PolicySource};
 use msk_storage::Folder;
 use recording::{Recording, layout};
 use std::io;
@@ -86,6 +86,12 @@ pub enum CollectionError {
     Layout(#[from] serde_json::Error),
 }
 
+impl From<NoRoom> for CollectionError {
+    fn from(error: NoRoom) -> Self {
+        Self::Evaluation(error.into())
+    }
+}
+
 impl From<PolicyError> for CollectionError {
     fn from(error: PolicyError) -> Self {
         Self::Evaluation(error.into())
@@ -139,11 +145,12 @@ impl Collection {
     /// Plays the episodes that are missing, in their order; gives whether all are there, which they are not if `stop` became true.
     ///
     /// # Errors
-    /// The policy cannot act, or an episode cannot be kept.
+    /// The policy cannot act, or an episode cannot be kept: that does not fit into memory is known before the first begins.
     pub fn complete(&mut self, stop: &AtomicBool, watch: &mut dyn FnMut(Event<'_>)) -> Result<bool, CollectionError> {
         let source = self.policy.clone();
         let mut policy = ActionRecorder::new(source.open(stop)?);
         let mut environment = self.trial.episode()?;
+        Recording::ensure_room(&environment, policy.acts_on())?;
         for episode in 0..self.protocol.episodes {
             if self.done.contains((0, episode)) || !self.shard.has((0, episode), self.protocol.episodes) {
                 continue;

@@ -15,6 +15,11 @@ impl<'p> ActionRecorder<'p> {
         Self { policy, actions: Vec::new(), width: 0 }
     }
 
+    /// What acts, to play without keeping anything.
+    pub fn inner_mut(&mut self) -> &mut (dyn Policy + 'p) {
+        self.policy.as_mut()
+    }
+
     /// The actions since the reset, one after the other, and the number of entries of each.
     pub fn actions(&self) -> (&[f64], usize) {
         (&self.actions, self.width)

@@ -3,6 +3,7 @@
 use super::ActionRecorder;
 use crate::EpisodeRecord;
 use crate::npz::NpzWriter;
+use crate::room::{NoRoom, ensure_room};
 use msk_program::task::Channel;
 use msk_runtime::episode::{Ending, Environment, single_precision};
 use msk_runtime::policy::{ActsOn, Policy};
@@ -27,6 +28,17 @@ pub struct Recording {
 }
 
 impl Recording {
+    /// Checks that there is room for an episode that reaches its horizon under a policy that acts on so much.
+    ///
+    /// # Errors
+    /// More than [`MOST_BYTES`](crate::MOST_BYTES).
+    pub fn ensure_room(environment: &Environment, acts_on: ActsOn) -> Result<(), NoRoom> {
+        let task = environment.task();
+        let singles = environment.observation().len() + environment.critic_observation().len();
+        let doubles = 1 + environment.weights().len() + acts_on.size(task, environment.engine().body());
+        ensure_room(task, task.horizon, singles * size_of::<f32>() + doubles * size_of::<f64>())
+    }
+
     /// Takes down what the last control step has come to, or the reset.
     pub fn look(&mut self, environment: &Environment) {
         let report = environment.report();

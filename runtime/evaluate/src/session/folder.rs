@@ -1,7 +1,8 @@
 //! A session as files.
 
 use super::{Comparison, Errors, Moment, Session, SessionError, Tracking, Visible};
-use crate::trace::{ArchiveError, MOST_BYTES, Trace};
+use crate::MOST_BYTES;
+use crate::trace::{ArchiveError, Trace};
 use msk_storage::{Folder, StorageError};
 use std::path::{Path, PathBuf};
 

@@ -205,6 +205,8 @@ impl Session {
             return Err(SessionError::Fault(fault.to_string()));
         }
         let mut reader = StepReader::new(environment.engine(), &Quantity::ALL);
+        let steps = self.settings.hold.saturating_mul(self.settings.decisions).min(trial.task.horizon);
+        reader.layout().ensure_room(&trial.task, steps).map_err(EvaluationError::from)?;
         let mut trace = Trace::new(reader.layout().clone());
         trace.push(&reader.read(&environment.context()));
         let known = self.decisions.len();

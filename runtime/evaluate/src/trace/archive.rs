@@ -9,6 +9,7 @@
 //! ```
 
 use super::{Layout, Origin, Quantity, Trace};
+use crate::MOST_BYTES;
 use crate::npz::{NpzReader, NpzWriter};
 use msk_runtime::inspect::{Excitations, ExcitationsError};
 use serde::{Deserialize, Serialize};
@@ -16,8 +17,6 @@ use std::io::{self, Cursor};
 use std::sync::Arc;
 use zip::result::ZipError;
 
-/// Largest file and largest array that are read, bytes.
-pub const MOST_BYTES: u64 = 4 << 30;
 /// Largest description that is read, bytes.
 const MOST_TEXT: u64 = 64 << 20;
 /// Most rows: the reset, and the steps of the largest horizon that a task may have.

@@ -1,7 +1,9 @@
 //! The columns of a trace.
 
 use super::Quantity;
+use crate::room::{NoRoom, ensure_room};
 use msk_physics::model::{JointKind, Model};
+use msk_program::task::CompiledTask;
 use msk_program::vocabulary::GroupKind;
 use msk_runtime::body::Body;
 use msk_runtime::episode::Engine;
@@ -148,6 +150,15 @@ impl Coordinates {
 }
 
 impl Layout {
+    /// Checks, before an episode of `task` begins, that there is room for `steps` rows.
+    ///
+    /// # Errors
+    /// More than [`MOST_BYTES`](crate::MOST_BYTES).
+    pub fn ensure_room(&self, task: &CompiledTask, steps: u32) -> Result<(), NoRoom> {
+        let width: usize = self.blocks.iter().map(|block| block.columns.len()).sum();
+        ensure_room(task, steps, width * size_of::<f64>())
+    }
+
     /// The columns of `quantities` for the episodes of an engine.
     pub fn of(engine: &Engine, quantities: &[Quantity]) -> Self {
         let (model, body, task) = (engine.model(), engine.body(), engine.task());

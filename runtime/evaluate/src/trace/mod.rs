@@ -5,7 +5,7 @@
 //! 3. A [`StepReader`] reads one step of an episode after the other as a [`Row`]; standard metrics are computed from rows as they come.
 //! 4. A [`Trace`] keeps the rows of one episode; it is written and read as a NumPy archive, and written as files of OpenSim.
 //!
-//! Memory is bounded by the horizon of a task, not by the number of episodes.
+//! Memory is bounded by the horizon of a task, not by the number of episodes; [`Layout::ensure_room`] bounds it before the first step.
 
 mod archive;
 mod layout;
@@ -13,7 +13,7 @@ mod opensim;
 mod quantity;
 mod reader;
 
-pub use archive::{ArchiveError, MOST_BYTES};
+pub use archive::ArchiveError;
 pub use layout::{Block, Column, Layout, Muscle};
 pub use opensim::{OpenSimFile, opensim};
 pub use quantity::{Quantity, QuantityError, quantities};
