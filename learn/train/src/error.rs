@@ -53,7 +53,7 @@ pub enum TrainError {
         expected: String,
     },
     /// A file that says of which training a folder is, and is damaged.
-    #[error("`{folder}/training.toml` is damaged: {reason}; remove the folder to begin anew")]
+    #[error("`{folder}/training.toml` is damaged; remove the folder to begin anew: {reason}")]
     Identity {
         /// The folder.
         folder: String,

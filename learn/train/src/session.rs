@@ -282,7 +282,10 @@ impl Session {
 
 /// What the file of a training in a folder says.
 fn identity(folder: &Path, text: &str) -> Result<Identity, TrainError> {
-    toml::from_str(text).map_err(|error| TrainError::Identity { folder: folder.display().to_string(), reason: error.to_string() })
+    toml::from_str(text).map_err(|error| TrainError::Identity {
+        folder: folder.display().to_string(),
+        reason: error.to_string().trim_end().to_owned(),
+    })
 }
 
 /// Goes on from the checkpoint in a folder; gives what a session knows and the curve up to it.
@@ -315,8 +318,8 @@ fn resume(folder: &Folder, text: &str, training: &mut Training) -> Result<(Recor
     let (length, rest) = bytes.split_at_checked(8).ok_or_else(short)?;
     let length = length.iter().rev().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte));
     let (record, state) = rest.split_at_checked(usize::try_from(length).unwrap_or(usize::MAX)).ok_or_else(short)?;
+    training.restore(&bytes[..bytes.len() - state.len()], state).map_err(unusable)?;
     let record: Record = rmp_serde::from_slice(record).map_err(|error| unusable(error.to_string()))?;
-    training.restore(state).map_err(unusable)?;
     let curve = folder.read(Path::new(curve::FILE), LARGEST_TEXT)?.unwrap_or_default();
     let known = usize::try_from(record.curve).unwrap_or(usize::MAX);
     let lacks = || TrainError::Checkpoint {

@@ -62,6 +62,10 @@ pub struct Provenance {
 /// Bytes of the digest before a checkpoint.
 const DIGEST: usize = 32;
 
+fn digest(before: &[u8], body: &[u8]) -> [u8; DIGEST] {
+    Sha256::new().chain_update(before).chain_update(body).finalize().into()
+}
+
 enum Learner {
     Ppo(Box<Ppo>),
     Sac(Box<Sac>),
@@ -330,7 +334,8 @@ impl Training {
         self.play.continues()
     }
 
-    /// Appends the state between two rounds. A replay buffer is copied here alone.
+    /// Appends the state between two rounds, behind a digest of all bytes that it is appended to and its own. A replay buffer is copied here
+    /// alone.
     pub fn checkpoint(&mut self, bytes: &mut Vec<u8>) {
         if self.play.at_checkpoint()
             && let Learner::Mpo(mpo) = &mut self.learner
@@ -348,17 +353,17 @@ impl Training {
         bytes.extend([0; DIGEST]);
         // Plain data always has a MessagePack form, and memory takes all bytes.
         let _ = rmp_serde::encode::write(bytes, &state);
-        let digest = Sha256::digest(&bytes[begin + DIGEST..]);
+        let digest = digest(&bytes[..begin], &bytes[begin + DIGEST..]);
         bytes[begin..begin + DIGEST].copy_from_slice(&digest);
     }
 
-    /// Goes on from a checkpoint of a training of the same identity, bit for bit.
+    /// Goes on from a checkpoint of a training of the same identity, bit for bit; it was appended to the bytes `before`.
     ///
     /// # Errors
     /// Damaged bytes, or those of another training, in words that follow a colon.
-    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let (digest, body) = bytes.split_at_checked(DIGEST).ok_or("it is too short")?;
-        if Sha256::digest(body)[..] != *digest {
+    pub fn restore(&mut self, before: &[u8], bytes: &[u8]) -> Result<(), String> {
+        let (recorded, body) = bytes.split_at_checked(DIGEST).ok_or("it is too short")?;
+        if digest(before, body) != recorded {
             return Err("it is damaged".into());
         }
         let state: State<'_> = rmp_serde::from_slice(body).map_err(|error| format!("it was made by another version: {error}"))?;

@@ -122,7 +122,7 @@ fn played(engine: &Engine, settings: &Settings, threads: usize, rounds: usize, b
         if breaks {
             let state = checkpoint(&mut present);
             present = training(engine, settings, threads);
-            present.restore(&state).unwrap();
+            present.restore(&[], &state).unwrap();
         }
     }
     checkpoint(&mut present)
@@ -164,11 +164,17 @@ fn checkpoints_that_do_not_fit_are_refused() {
     let engine = engine(&[]);
     let settings = small(Algorithm::Ppo);
     let bytes = played(&engine, &settings, 1, 1, false);
-    let refuse = |settings: &Settings, bytes: &[u8]| training(&engine, settings, 1).restore(bytes).unwrap_err();
+    let refuse = |settings: &Settings, bytes: &[u8]| training(&engine, settings, 1).restore(&[], bytes).unwrap_err();
     let mut damaged = bytes.clone();
     damaged[100] ^= 1;
     assert_eq!(refuse(&settings, &damaged), "it is damaged");
     assert_eq!(refuse(&settings, &bytes[..20]), "it is too short");
+    // What stands before it is damaged with it.
+    let mut behind = vec![1, 2, 3];
+    training(&engine, &settings, 1).checkpoint(&mut behind);
+    let resume = |before: &[u8]| training(&engine, &settings, 1).restore(before, &behind[3..]);
+    assert_eq!(resume(&[1, 2, 3]), Ok(()));
+    assert_eq!(resume(&[1, 2, 2]), Err("it is damaged".to_owned()));
     let narrow = Settings { hidden: vec![8], ..settings.clone() };
     assert_eq!(refuse(&narrow, &bytes), parameters_message());
     assert_eq!(refuse(&small(Algorithm::Sac), &bytes), "it is of another algorithm");
