@@ -8,8 +8,8 @@ Runs `msk tune --policy "learner ppo"` for each seed, once with the reasoner `ru
 agent that each session ends with, and the one of its best round, under pushes and under noise on its actions, with starts that neither the
 training nor the tuning has seen.
 
-Writes `rounds.csv` (weights, success, survival and speed of every round) and `sweep.csv` (success and survival at every scale) to the folder.
-Whatever is there already is not run again.
+Writes `tuning_rounds.csv` (weights, success, survival and speed of every round) and `tuning_sweep.csv` (success and survival at every
+scale) to the folder. Whatever is there already is not run again.
 """
 import argparse
 import csv
@@ -86,11 +86,11 @@ def main():
                     mean = lambda key: sum(episode[key] for episode in episodes) / len(episodes)
                     row = {"arm": arm, "seed": seed, "agent": agent, "perturbation": scale.name}
                     scales.append({**row, "success": mean("success"), "survival": mean("steps")})
-    for name, rows in [("rounds.csv", rounds), ("sweep.csv", scales)]:
+    for name, rows in [("tuning_rounds.csv", rounds), ("tuning_sweep.csv", scales)]:
         with open(out / name, "w", newline="") as file:
             writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
             writer.writeheader()
-            writer.writerows({key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()} for row in rows)
+            writer.writerows({key: f"{value:.5g}" if isinstance(value, float) else value for key, value in row.items()} for row in rows)
 
 
 if __name__ == "__main__":
