@@ -93,7 +93,9 @@ def rows(path, name, seed):
 
 
 if __name__ == "__main__":
-    for number, path in enumerate(sorted((HERE / "row_models").glob("*.xml"))):
+    # The models of friction without slip were added later: the others keep their numbers.
+    models = sorted((HERE / "row_models").glob("*.xml"), key=lambda path: (path.stem.startswith("no_slip"), path))
+    for number, path in enumerate(models):
         rows(path, f"rows_{path.stem}", 900 + number)
     for number, path in enumerate(sorted((HERE / "scene_models").glob("*.xml"))):
         rows(path, f"stages_{path.stem}", 1900 + number)

@@ -32,6 +32,7 @@ pub fn derive(model: &mut Model) -> Result<(), String> {
     let mut tendons = TendonPaths::new(model);
     kinematics::update_lanes(model, &state, &mut kinematics);
     inertia::update(model, &state, &kinematics, &mut inertia);
+    model.mean_inertia = mean_inertia(model, &inertia.matrix);
     inertia::factorize(model, &mut inertia);
     invertible(model, &inertia.factor)?;
     tendons::update(&state, &kinematics, &mut tendons);
@@ -57,6 +58,12 @@ pub fn derive(model: &mut Model) -> Result<(), String> {
     }
     model.tendons.resting_length = resting_lengths(model, state, &mut kinematics, tendons);
     Ok(())
+}
+
+/// Mean of the diagonal of the mass matrix, one where nothing moves.
+fn mean_inertia(model: &Model, matrix: &[f64]) -> f64 {
+    let trace: f64 = model.dofs.row.iter().map(|row| matrix[row.end - 1]).sum();
+    if model.nv == 0 { 1.0 } else { (trace / model.nv as f64).at_least(MINIMUM) }
 }
 
 /// Whether every pivot D of the factorised mass matrix L'DL is positive. One is not where rounding leaves nothing of a joint's own

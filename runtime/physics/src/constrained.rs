@@ -8,6 +8,7 @@ use super::{
     smooth::unconstrained,
     solver::{
         Newton, Problem,
+        no_slip::{NoSlip, Unconstrained},
         together::{self, Together},
     },
     state::State,
@@ -22,6 +23,7 @@ pub struct ConstraintState {
     pub constraints: Constraints,
     /// The solver and what it found.
     pub newton: Newton,
+    no_slip: NoSlip,
     gathered: Gathered,
 }
 
@@ -32,6 +34,7 @@ struct Gathered {
     force: Vec<f64>,
     smooth: Vec<f64>,
     warm_start: Vec<f64>,
+    factor: Vec<f64>,
 }
 
 impl ConstraintState {
@@ -42,7 +45,7 @@ impl ConstraintState {
 
     pub(crate) fn of(model: &Model, plan: &Plan) -> Self {
         let constraints = Constraints::of(model, &plan.pairs, &plan.rows);
-        Self { constraints, newton: Newton::of(model, &plan.coupled), gathered: Gathered::default() }
+        Self { constraints, newton: Newton::of(model, &plan.coupled), no_slip: NoSlip::default(), gathered: Gathered::default() }
     }
 }
 
@@ -64,15 +67,17 @@ pub fn rows<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<
 /// Solves for the constrained accelerations of all lanes and notes their faults: a Hessian without a positive pivot, an
 /// acceleration that is not finite. Needs rows and forces.
 pub fn solve<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
-    // Where rows exist Newton's method starts from the last acceleration: only a free body needs the factor of its mass matrix.
-    let free = workspace.lanes.iter().any(|own| own.constraints.rows.is_empty());
+    // Where rows exist Newton's method starts from the last acceleration: only a free body and the second pass over friction need the
+    // factor of the mass matrix.
+    let second = model.options.no_slip_iterations > 0;
+    let free = second || workspace.lanes.iter().any(|own| own.constraints.rows.is_empty());
     if free {
         unconstrained(model, state, workspace);
     }
     let together = solve_together(model, state, workspace);
     let mut outcomes = [Ok(()); MOST_LANES];
     each_lane(workspace, |workspace, own, lane| {
-        let ConstraintState { constraints, newton, gathered } = own;
+        let ConstraintState { constraints, newton, no_slip, gathered } = own;
         if together[lane] {
             return;
         }
@@ -83,9 +88,15 @@ pub fn solve<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace
             gather(&mut gathered.mass, &workspace.inertia.matrix, lane);
             gather(&mut gathered.force, &workspace.forces.smooth, lane);
             gather(&mut gathered.warm_start, &state.warm_start, lane);
-            let Gathered { mass, force, warm_start, .. } = &*gathered;
+            if second {
+                gather(&mut gathered.smooth, &workspace.forces.smooth_acceleration, lane);
+                gather(&mut gathered.factor, &workspace.inertia.factor, lane);
+            }
+            let Gathered { mass, force, warm_start, smooth, factor } = &*gathered;
             let problem = Problem { mass, force, warm_start };
-            outcomes[lane] = workspace.arch.dispatch(Solve { newton, model, problem, constraints });
+            let unconstrained = Unconstrained { factor, acceleration: smooth };
+            let no_slip = second.then_some((no_slip, unconstrained));
+            outcomes[lane] = workspace.arch.dispatch(Solve { newton, no_slip, model, problem, constraints });
         }
         constraints.share_forces();
     });
@@ -169,6 +180,7 @@ fn fault_of<T: Real>(
 /// One solve, compiled for each set of instructions.
 struct Solve<'a> {
     newton: &'a mut Newton,
+    no_slip: Option<(&'a mut NoSlip, Unconstrained<'a>)>,
     model: &'a Model,
     problem: Problem<'a>,
     constraints: &'a mut Constraints,
@@ -179,7 +191,13 @@ impl WithSimd for Solve<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        self.newton.solve(self.model, &self.problem, self.constraints)
+        let Self { newton, model, constraints, .. } = self;
+        newton.solve(model, &self.problem, constraints)?;
+        if let Some((no_slip, unconstrained)) = self.no_slip {
+            newton.iterations += no_slip.run(model, &unconstrained, constraints);
+            newton.take_forces(model, &unconstrained, constraints);
+        }
+        Ok(())
     }
 }
 

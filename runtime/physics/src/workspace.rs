@@ -33,7 +33,8 @@ pub struct Workspace<T: Real> {
     /// Lanes that hold no episode, or one that is not stepped: nothing is decided, written or reported for them.
     pub(crate) masked: Vec<bool>,
     pub(crate) arch: Arch,
-    /// The solver of several lanes at once, for constraints whose forces have bounds of their own: not for elliptic cones.
+    /// The solver of several lanes at once, for constraints whose forces have bounds of their own: not for elliptic cones, nor
+    /// where friction has a second pass.
     pub(crate) together: Option<Together<T>>,
     /// Contacts, constraint rows and solver: one per lane of `T`.
     pub lanes: Vec<ConstraintState>,
@@ -66,7 +67,7 @@ impl<T: Real> Workspace<T> {
             forces: Forces::of(model, &plan.medium),
             faults: vec![None; T::LANES],
             masked: vec![false; T::LANES],
-            together: (T::LANES > 1 && model.options.cone == Cone::Pyramidal).then(|| Together::of(model, &plan.coupled)),
+            together: solved_together::<T>(model).then(|| Together::of(model, &plan.coupled)),
             arch: Instructions::default().arch(),
             lanes: vec![ConstraintState::of(model, plan); T::LANES],
             acceleration: vec![T::splat(0.0); model.nv],
@@ -100,4 +101,9 @@ impl<T: Real> Workspace<T> {
     pub(crate) fn outcome(&self) -> Result<(), Fault> {
         self.faults.iter().flatten().next().map_or(Ok(()), |fault| Err(fault.clone()))
     }
+}
+
+/// Whether the lanes of `T` are solved together.
+fn solved_together<T: Real>(model: &Model) -> bool {
+    T::LANES > 1 && model.options.cone == Cone::Pyramidal && model.options.no_slip_iterations == 0
 }

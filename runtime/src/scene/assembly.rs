@@ -133,6 +133,7 @@ pub(super) fn assemble(builder: &SceneBuilder<'_>) -> Result<Built, BuildError> 
         na: base.na,
         keyframes: Vec::new(),
         sensors: base.sensors.clone(),
+        mean_inertia: 0.0,
         reference_position: Vec::new(),
     };
     move_references(&mut model, [&bodies, &joints, &geoms, &sites]);
@@ -380,7 +381,7 @@ fn gather_shapes(builder: &SceneBuilder<'_>, order: &Order, places: &[usize], mo
     }
     model.geoms = gather!(Geoms, base.geoms, geoms, &order.geoms;
         name kind body size asset position orientation contact_type contact_affinity contact_dimension priority softness_mix
-        softness friction margin gap bounding_radius group;);
+        softness friction margin gap bounding_radius group visible;);
     model.geoms.body.iter_mut().for_each(|body| *body = places[*body]);
     model.bodies.geoms = ranges(model.bodies.name.len(), &model.geoms.body);
     let mut sites = Sites::default();
@@ -415,6 +416,7 @@ fn push_geom(body: usize, geom: &NewGeom, fields: &mut Vec<HeightField>, into: &
     into.margin.push(0.0);
     into.gap.push(0.0);
     into.group.push(0);
+    into.visible.push(true);
 }
 
 /// For each of `count` bodies the range of what it owns: `owners` is ascending. Bodies without any begin where the one before

@@ -3,7 +3,7 @@
 
 use super::assembly::widths;
 use super::builder::SceneBuilder;
-use msk_physics::model::{Framed, Keyframe, Measure, Model};
+use msk_physics::model::{Framed, Keyframe, Limited, Measure, Model, Surface};
 
 /// Moves a sensor's references to bodies, joints, shapes and sites.
 pub(super) fn move_measure(measure: &mut Measure, [bodies, joints, geoms, sites]: [&Vec<usize>; 4]) {
@@ -18,12 +18,14 @@ pub(super) fn move_measure(measure: &mut Measure, [bodies, joints, geoms, sites]
         | Measure::Velocimeter(site)
         | Measure::Gyro(site)
         | Measure::Force(site)
-        | Measure::Torque(site) => *site = sites[*site],
+        | Measure::Torque(site)
+        | Measure::Range(site) => *site = sites[*site],
         Measure::JointPosition(joint)
         | Measure::JointVelocity(joint)
         | Measure::JointActuatorForce(joint)
         | Measure::BallOrientation(joint)
-        | Measure::BallVelocity(joint) => *joint = joints[*joint],
+        | Measure::BallVelocity(joint)
+        | Measure::Limit(Limited::Joint(joint), _) => *joint = joints[*joint],
         Measure::FramePosition(frame, reference)
         | Measure::FrameOrientation(frame, reference)
         | Measure::FrameAxis(frame, reference, _)
@@ -36,12 +38,22 @@ pub(super) fn move_measure(measure: &mut Measure, [bodies, joints, geoms, sites]
         Measure::SubtreeCenter(body) | Measure::SubtreeVelocity(body) | Measure::SubtreeAngularMomentum(body) => {
             *body = bodies[*body];
         }
+        Measure::Gap(surfaces, _) => {
+            for surface in surfaces {
+                match surface {
+                    Surface::Geom(geom) => *geom = geoms[*geom],
+                    Surface::Body(body) => *body = bodies[*body],
+                }
+            }
+        }
         // Tendons and actuators keep their places.
         Measure::TendonPosition(_)
         | Measure::TendonVelocity(_)
         | Measure::ActuatorPosition(_)
         | Measure::ActuatorVelocity(_)
         | Measure::ActuatorForce(_)
+        | Measure::TendonActuatorForce(_)
+        | Measure::Limit(Limited::Tendon(_), _)
         | Measure::Clock => {}
     }
 }

@@ -89,6 +89,8 @@ pub struct Geoms {
     pub gap: Vec<f64>,
     /// Radius of the bounding sphere; 0 for planes.
     pub bounding_radius: Vec<f64>,
+    /// Whether it is drawn at all: neither it nor its material is wholly transparent. A range finder sees what is visible.
+    pub visible: Vec<bool>,
     /// Rendering group of the file; kept for the writer and the drawing tool.
     pub group: Vec<i32>,
 }

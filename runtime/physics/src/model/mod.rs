@@ -44,7 +44,7 @@ pub use keyframes::Keyframe;
 pub use mesh::{Face, Hull, Mesh};
 pub use mjcf::ModelError;
 pub use options::{Cone, Fluid, Integrator, Options, Switches};
-pub use sensors::{Framed, Measure, Sensors};
+pub use sensors::{Framed, GapQuantity, LimitQuantity, Limited, Measure, Sensors, Surface};
 pub use tendons::{PathPoint, Tendons};
 
 /// Quaternion in the order w, x, y, z.
@@ -95,6 +95,9 @@ pub struct Model {
     pub sensors: Sensors,
     /// States with names.
     pub keyframes: Vec<Keyframe>,
+    /// Mean of the mass matrix's diagonal at the reference configuration (`stat.meaninertia`): kg for slides, kg m² for hinges. The
+    /// second pass over friction measures its improvement by it.
+    pub mean_inertia: f64,
     /// Configuration at which joint angles and couplings are zero, length `nq`.
     pub reference_position: Vec<f64>,
 }

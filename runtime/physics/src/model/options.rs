@@ -75,6 +75,10 @@ pub struct Options {
     pub tolerance: f64,
     /// Line search stops at this fraction of the solver's tolerance.
     pub line_search_tolerance: f64,
+    /// Sweeps at most of the second pass over friction, which stops its creeping ([`solver`](crate::solver)); zero does without.
+    pub no_slip_iterations: usize,
+    /// The second pass stops when the scaled improvement falls below this.
+    pub no_slip_tolerance: f64,
     /// Ratio of frictional to normal constraint impedance.
     pub impedance_ratio: f64,
     /// Friction cone of contacts.
@@ -95,6 +99,8 @@ impl Default for Options {
             line_search_iterations: 50,
             tolerance: 1e-8,
             line_search_tolerance: 0.01,
+            no_slip_iterations: 0,
+            no_slip_tolerance: 1e-6,
             impedance_ratio: 1.0,
             cone: Cone::Pyramidal,
             switches: Switches::default(),

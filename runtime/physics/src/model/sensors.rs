@@ -16,6 +16,46 @@ pub enum Framed {
     Site(usize),
 }
 
+/// What a limit belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Limited {
+    /// A joint.
+    Joint(usize),
+    /// A tendon.
+    Tendon(usize),
+}
+
+/// What is measured of a limit; zero where it is not reached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LimitQuantity {
+    /// Distance to the limit less its margin, m or rad: negative where it is violated (`jointlimitpos`).
+    Distance,
+    /// Rate of the distance (`jointlimitvel`).
+    Velocity,
+    /// Force or torque of the limit (`jointlimitfrc`).
+    Force,
+}
+
+/// Shapes whose distance is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Surface {
+    /// A geom.
+    Geom(usize),
+    /// All geoms of a body.
+    Body(usize),
+}
+
+/// What is measured of the nearest pair of two surfaces, out to the sensor's cutoff.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GapQuantity {
+    /// Distance, negative where they overlap, m.
+    Distance,
+    /// Unit vector from the nearest point of the first to that of the second.
+    Normal,
+    /// Both points.
+    Segment,
+}
+
 /// What a sensor measures. SI units, world axes unless noted otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measure {
@@ -78,6 +118,14 @@ pub enum Measure {
     SubtreeVelocity(usize),
     /// Angular momentum about it, kg m²/s.
     SubtreeAngularMomentum(usize),
+    /// Sum of the forces of the actuators that pull a tendon.
+    TendonActuatorForce(usize),
+    /// A limit of a joint or tendon.
+    Limit(Limited, LimitQuantity),
+    /// Distance along a site's z axis to the first visible shape of another body, -1 where there is none, m (`rangefinder`).
+    Range(usize),
+    /// The gap between two surfaces.
+    Gap([Surface; 2], GapQuantity),
     /// Time, s.
     Clock,
 }
@@ -88,6 +136,11 @@ impl Measure {
         matches!(self, Self::FrameAxis(..) | Self::FrameOrientation(..) | Self::BallOrientation(_))
     }
 
+    /// Whether the sensor's cutoff clamps it. Of a gap's direction and points it only bounds the search.
+    pub fn is_cut_off(&self) -> bool {
+        !matches!(self, Self::Gap(_, GapQuantity::Normal | GapQuantity::Segment))
+    }
+
     /// How many numbers it is.
     pub fn size(&self) -> usize {
         match self {
@@ -95,6 +148,8 @@ impl Measure {
             Self::Accelerometer(_) | Self::Velocimeter(_) | Self::Gyro(_) | Self::Force(_) | Self::Torque(_) => 3,
             Self::BallVelocity(_) | Self::FramePosition(..) | Self::FrameAxis(..) | Self::FrameVelocity(..) => 3,
             Self::FrameAngularVelocity(..) | Self::FrameAcceleration(_) | Self::FrameAngularAcceleration(_) => 3,
+            Self::Gap(_, GapQuantity::Segment) => 6,
+            Self::Gap(_, GapQuantity::Normal) => 3,
             Self::SubtreeCenter(_) | Self::SubtreeVelocity(_) | Self::SubtreeAngularMomentum(_) => 3,
             _ => 1,
         }

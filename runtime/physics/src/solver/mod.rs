@@ -29,6 +29,7 @@
 
 mod hessian;
 mod line_search;
+pub(crate) mod no_slip;
 mod slots;
 pub(crate) mod together;
 
@@ -45,6 +46,7 @@ use super::{
 use crate::model::Model;
 use crate::scalar::Real;
 use line_search::Line;
+use no_slip::{Unconstrained, accelerate};
 use std::sync::Arc;
 
 /// The unconstrained problem of one episode.
@@ -122,6 +124,24 @@ impl Newton {
         self.acceleration.copy_from_slice(acceleration);
     }
 
+    /// Takes the acceleration that the forces of the rows as they now are cause.
+    #[inline(always)]
+    pub(super) fn take_forces(&mut self, model: &Model, unconstrained: &Unconstrained<'_>, constraints: &Constraints) {
+        let Constraints { jacobian, rows, .. } = constraints;
+        self.constraint_force.fill(0.0);
+        jacobian.add_transposed(&rows.force, &mut self.constraint_force);
+        accelerate(model, unconstrained, jacobian, rows, &mut self.acceleration);
+        self.settle_zeros();
+    }
+
+    /// Of two zeros always the positive one, whichever zeros were added on the way.
+    #[inline(always)]
+    fn settle_zeros(&mut self) {
+        for value in self.acceleration.iter_mut().chain(&mut self.constraint_force) {
+            *value += 0.0;
+        }
+    }
+
     /// Solves for the acceleration and the forces of all rows, of which there is one at least.
     ///
     /// # Errors
@@ -167,10 +187,7 @@ impl Newton {
             }
             self.refresh_factor(model, problem.mass, parts)?;
         }
-        // Of two zeros always the positive one, whichever zeros were added on the way.
-        for value in self.acceleration.iter_mut().chain(&mut self.constraint_force) {
-            *value += 0.0;
-        }
+        self.settle_zeros();
         Ok(())
     }
 

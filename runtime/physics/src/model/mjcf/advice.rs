@@ -1,7 +1,7 @@
 //! What can be done about a feature that the simulator does not have.
 
 /// The first word in backquotes of a description, and what to do about it.
-const BY_WORD: [(&str, &str); 26] = [
+const BY_WORD: [(&str, &str); 25] = [
     ("composite", DEFORMABLE),
     ("flexcomp", DEFORMABLE),
     ("flex", DEFORMABLE),
@@ -16,7 +16,6 @@ const BY_WORD: [(&str, &str); 26] = [
     ("fluidshape", FLUID),
     ("fusestatic", "set it to false: static bodies then stay apart, which moves the same"),
     ("coordinate", "open and save the file with MuJoCo 2.2 or older, which rewrites it in local coordinates"),
-    ("noslip_iterations", "remove it; `cone` elliptic with a larger `impratio` reduces slip too"),
     ("sdf", "replace the signed distance field by a mesh or by primitive shapes"),
     ("integrator", "choose `implicitfast`, which is as stable where bodies do not spin fast, or `RK4`"),
     ("dcmotor", MOTOR),

@@ -49,6 +49,7 @@ fn kind_of(tag: &str) -> Option<&'static str> {
         "geom" => "geom",
         "site" => "site",
         "mesh" => "mesh",
+        "material" => "material",
         "pair" => "pair",
         "equality" => "equality",
         "tendon" | "spatial" | "fixed" => "tendon",

@@ -84,7 +84,7 @@ const PAIR: &str = "name class geom1 geom2 condim friction solref solreffriction
 const BODY: &str = "name childclass pos quat axisangle xyaxes zaxis euler mocap gravcomp";
 const FRAME: &str = "name childclass pos quat axisangle xyaxes zaxis euler";
 const FRAME_NEUTRAL: &[(&str, &str)] = &[("scale", "1"), ("massscale", "0"), ("scaling", "similar")];
-const OPTION_NEUTRAL: &[(&str, &str)] = &[("noslip_iterations", "0"), ("actuatorgroupdisable", "")];
+const OPTION_NEUTRAL: &[(&str, &str)] = &[("actuatorgroupdisable", "")];
 
 /// Attributes whose value is one of several words, and the words that the simulator knows.
 const CHOICES: [(&str, &str); 4] = [
@@ -101,8 +101,9 @@ const RULES: &[Rule] = &[
         "texturedir usethread discardvisual saveinertial savecompiled savecanonical conflict passthrough fitaabb",
         &[("coordinate", "local"), ("fusestatic", "false")]),
     rule("compiler/lengthrange", "mode useexisting uselimit accel maxforce timeconst timestep inttotal interval tolrange", "", &[]),
-    rule("mujoco/option", "timestep integrator gravity iterations ls_iterations tolerance ls_tolerance impratio cone solver density viscosity wind",
-        "magnetic jacobian ccd_iterations ccd_tolerance sdf_iterations sdf_initpoints noslip_tolerance sleep_tolerance \
+    rule("mujoco/option", "timestep integrator gravity iterations ls_iterations tolerance ls_tolerance impratio cone solver density viscosity wind \
+         noslip_iterations noslip_tolerance",
+        "magnetic jacobian ccd_iterations ccd_tolerance sdf_iterations sdf_initpoints sleep_tolerance \
          o_margin o_solref o_solimp o_friction", OPTION_NEUTRAL),
     rule("option/flag", "constraint equality frictionloss limit contact refsafe eulerdamp gravity", "sensor midphase autoreset nativeccd multiccd island energy fwdinv warmstart", &[
         ("spring", "enable"), ("damper", "enable"), ("clampctrl", "enable"),
@@ -182,6 +183,18 @@ const RULES: &[Rule] = &[
     sensor("sensor/actuatorpos", "actuator"),
     sensor("sensor/actuatorvel", "actuator"),
     sensor("sensor/actuatorfrc", "actuator"),
+    sensor("sensor/tendonactuatorfrc", "tendon"),
+    sensor("sensor/jointlimitpos", "joint"),
+    sensor("sensor/jointlimitvel", "joint"),
+    sensor("sensor/jointlimitfrc", "joint"),
+    sensor("sensor/tendonlimitpos", "tendon"),
+    sensor("sensor/tendonlimitvel", "tendon"),
+    sensor("sensor/tendonlimitfrc", "tendon"),
+    Rule { element: "sensor/rangefinder", read: "name cutoff", own: "site", skipped: "noise user interp",
+        neutral: &[("data", "dist"), ("delay", "0"), ("interval", "0"), ("nsample", "0")] },
+    sensor("sensor/distance", "geom1 body1 geom2 body2"),
+    sensor("sensor/normal", "geom1 body1 geom2 body2"),
+    sensor("sensor/fromto", "geom1 body1 geom2 body2"),
     sensor("sensor/framepos", "objtype objname reftype refname"),
     sensor("sensor/framequat", "objtype objname reftype refname"),
     sensor("sensor/framexaxis", "objtype objname reftype refname"),

@@ -47,7 +47,7 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    /// Reads a mesh geom. One that cannot collide and that nothing names only carries mass, and its file is read only if the
+    /// Reads a mesh geom. One that cannot collide and that nothing names or sees only carries mass, and its file is read only if the
     /// mass is needed.
     pub(super) fn read_mesh_geom(
         &mut self,
@@ -58,7 +58,7 @@ impl Compiler<'_> {
     ) -> Result<(), ModelError> {
         let bits = |attribute| geom.integer_or(attribute, 1, 0, i64::from(u32::MAX));
         let named = geom.text("name").is_some_and(|name| self.named_geoms.contains(name));
-        if named || bits("contype")? != 0 || bits("conaffinity")? != 0 {
+        if named || self.sensors_see_shapes || bits("contype")? != 0 || bits("conaffinity")? != 0 {
             self.read_geom(geom, body, frame)?;
         }
         if self.counts(geom.integer_or("group", 0, i64::from(i32::MIN), i64::from(i32::MAX))?) {

@@ -53,6 +53,10 @@ struct Compiler<'a> {
     springs: Vec<(usize, [f64; 2])>,
     /// Geoms that contact pairs and sensors name.
     named_geoms: BTreeSet<&'a str>,
+    /// Materials that nobody sees.
+    transparent_materials: BTreeSet<String>,
+    /// Whether sensors see shapes that do not collide and that nothing names.
+    sensors_see_shapes: bool,
     /// Volumes of all sites.
     zones: Vec<(GeomKind, Vector3<f64>)>,
     model: Model,
@@ -74,10 +78,13 @@ pub(super) fn compile(mut document: Document<'_>) -> Result<Model, ModelError> {
         unsupported: Vec::new(),
         springs: Vec::new(),
         named_geoms: named_geoms(root),
+        transparent_materials: BTreeSet::new(),
+        sensors_see_shapes: section(root, "sensor").any(sees_shapes),
         zones: Vec::new(),
         model: Model { name: root.text("model").unwrap_or("MuJoCo Model").to_owned(), ..Model::default() },
     };
     compiler.model.options = settings::options(root)?;
+    compiler.read_materials()?;
     compiler.read_tree()?;
     compiler.read_contacts()?;
     compiler.read_tendons()?;
@@ -95,6 +102,23 @@ pub(super) fn compile(mut document: Document<'_>) -> Result<Model, ModelError> {
     let actuators: Vec<&Element> = section(root, "actuator").collect();
     compiler.settings.length_ranges.complete(&mut compiler.model, &actuators)?;
     Ok(compiler.model)
+}
+
+impl Compiler<'_> {
+    /// Reads what matters of materials.
+    fn read_materials(&mut self) -> Result<(), ModelError> {
+        for element in section(&self.document.root, "asset").filter(|element| element.tag == "material") {
+            let material = self.defaults.resolve(element, None)?;
+            let opaque = shapes::opaque(&material)?;
+            self.transparent_materials.extend(material.text("name").filter(|_| !opaque).map(str::to_owned));
+        }
+        Ok(())
+    }
+}
+
+/// Whether a sensor reads surfaces by more than their names.
+fn sees_shapes(element: &Element) -> bool {
+    element.tag == "rangefinder" || ["distance", "normal", "fromto"].contains(&element.tag.as_str())
 }
 
 /// The children of all sections with a name, in order.

@@ -4,7 +4,7 @@ use super::names::Kind;
 use super::{Compiler, section};
 use crate::model::mjcf::document::Element;
 use crate::model::mjcf::error::ModelError;
-use crate::model::{Framed, GeomKind, JointKind, Measure};
+use crate::model::{Framed, GapQuantity, GeomKind, JointKind, LimitQuantity, Limited, Measure, Surface};
 
 impl Compiler<'_> {
     /// Reads the `sensor` sections.
@@ -37,6 +37,11 @@ impl Compiler<'_> {
         let axis = |axis| Ok::<_, ModelError>(Measure::FrameAxis(object()?, reference()?, axis));
         let scalar = || self.joint_of(element, &[JointKind::Hinge, JointKind::Slide]);
         let ball = || self.joint_of(element, &[JointKind::Ball]);
+        let limit = |quantity| Ok::<_, ModelError>(Measure::Limit(self.limited(element)?, quantity));
+        let gap = |quantity| {
+            let surfaces = [self.surface(element, ["geom1", "body1"])?, self.surface(element, ["geom2", "body2"])?];
+            Ok::<_, ModelError>(Measure::Gap(surfaces, quantity))
+        };
         Ok(match element.tag.as_str() {
             "touch" => {
                 let site = site()?;
@@ -61,6 +66,14 @@ impl Compiler<'_> {
             "actuatorpos" => Measure::ActuatorPosition(of(Kind::Actuator, "actuator")?),
             "actuatorvel" => Measure::ActuatorVelocity(of(Kind::Actuator, "actuator")?),
             "actuatorfrc" => Measure::ActuatorForce(of(Kind::Actuator, "actuator")?),
+            "tendonactuatorfrc" => Measure::TendonActuatorForce(of(Kind::Tendon, "tendon")?),
+            "jointlimitpos" | "tendonlimitpos" => limit(LimitQuantity::Distance)?,
+            "jointlimitvel" | "tendonlimitvel" => limit(LimitQuantity::Velocity)?,
+            "jointlimitfrc" | "tendonlimitfrc" => limit(LimitQuantity::Force)?,
+            "rangefinder" => Measure::Range(site()?),
+            "distance" => gap(GapQuantity::Distance)?,
+            "normal" => gap(GapQuantity::Normal)?,
+            "fromto" => gap(GapQuantity::Segment)?,
             "framepos" => Measure::FramePosition(object()?, reference()?),
             "framequat" => Measure::FrameOrientation(object()?, reference()?),
             "framexaxis" => axis(0)?,
@@ -75,6 +88,32 @@ impl Compiler<'_> {
             "subtreeangmom" => Measure::SubtreeAngularMomentum(body()?),
             _ => Measure::Clock,
         })
+    }
+
+    /// The joint or tendon whose limit a sensor measures.
+    fn limited(&self, element: &Element) -> Result<Limited, ModelError> {
+        let model = &self.model;
+        let (limited, range) = match element.text("joint") {
+            Some(_) => {
+                let joint = self.names.required(Kind::Joint, element, "joint")?;
+                (Limited::Joint(joint), model.joints.range[joint])
+            }
+            None => {
+                let tendon = self.names.required(Kind::Tendon, element, "tendon")?;
+                (Limited::Tendon(tendon), model.tendons.range[tendon])
+            }
+        };
+        let missing = || element.invalid(format!("`{}` measures a limit, and there is none: give it a `range`", element.tag));
+        range.map(|_| limited).ok_or_else(missing)
+    }
+
+    /// The geom or body on one side of a distance.
+    fn surface(&self, element: &Element, [geom, body]: [&str; 2]) -> Result<Surface, ModelError> {
+        match (element.text(geom), element.text(body)) {
+            (Some(_), Some(_)) => Err(element.invalid(format!("expected `{geom}` or `{body}`, found both"))),
+            (None, Some(_)) => Ok(Surface::Body(self.names.required(Kind::Body, element, body)?)),
+            _ => Ok(Surface::Geom(self.names.required(Kind::Geom, element, geom)?)),
+        }
     }
 
     fn framed(&self, element: &Element, [kind, name]: [&str; 2]) -> Result<Framed, ModelError> {

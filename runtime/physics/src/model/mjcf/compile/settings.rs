@@ -177,6 +177,8 @@ pub(super) fn options(root: &Element) -> Result<Options, ModelError> {
         options.line_search_iterations = count(element, "ls_iterations", options.line_search_iterations)?;
         options.tolerance = element.size_or("tolerance", options.tolerance)?;
         options.line_search_tolerance = element.size_or("ls_tolerance", options.line_search_tolerance)?;
+        options.no_slip_iterations = count(element, "noslip_iterations", options.no_slip_iterations)?;
+        options.no_slip_tolerance = element.size_or("noslip_tolerance", options.no_slip_tolerance)?;
         options.impedance_ratio = element.number_or("impratio", options.impedance_ratio)?;
         if options.impedance_ratio <= 0.0 {
             return Err(element.invalid("`impratio` must be positive"));

@@ -47,6 +47,10 @@ impl Compiler<'_> {
             _ => kind.bounding_radius(size),
         };
         let placed = frame.then(&local);
+        let visible = match element.text("material") {
+            Some(material) => !self.transparent_materials.contains(material),
+            None => opaque(element)?,
+        };
         let geoms = &mut self.model.geoms;
         let name = self.names.register(Kind::Geom, element, geoms.name.len())?;
         let bits = |attribute| element.integer_or(attribute, 1, 0, i64::from(u32::MAX));
@@ -55,6 +59,7 @@ impl Compiler<'_> {
         geoms.contact_dimension.push(contact_dimension(element)?);
         geoms.priority.push(element.integer_or("priority", 0, i64::from(i32::MIN), i64::from(i32::MAX))? as i32);
         geoms.group.push(element.integer_or("group", 0, i64::from(i32::MIN), i64::from(i32::MAX))? as i32);
+        geoms.visible.push(visible);
         geoms.softness_mix.push(element.number_or("solmix", 1.0)?);
         geoms.softness.push(softness(element, "solref", "solimp")?);
         geoms.friction.push(element.numbers_over("friction", [1.0, 0.005, 0.0001])?);
@@ -157,4 +162,9 @@ pub(super) fn contact_dimension(element: &Element) -> Result<u8, ModelError> {
 
 fn spaced(size: &Vector3<f64>) -> String {
     format!("{} {} {}", size.x, size.y, size.z)
+}
+
+/// Whether the colour of a geom or material is not wholly transparent.
+pub(super) fn opaque(element: &Element) -> Result<bool, ModelError> {
+    Ok(element.numbers_over("rgba", [1.0; 4])?[3] != 0.0)
 }

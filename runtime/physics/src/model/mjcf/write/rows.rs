@@ -149,6 +149,7 @@ pub(super) fn options(options: &Options) -> Row {
         ("viscosity", options.fluid.viscosity, standard.fluid.viscosity),
         ("tolerance", options.tolerance, standard.tolerance),
         ("ls_tolerance", options.line_search_tolerance, standard.line_search_tolerance),
+        ("noslip_tolerance", options.no_slip_tolerance, standard.no_slip_tolerance),
         ("impratio", options.impedance_ratio, standard.impedance_ratio),
     ];
     for (name, value, _) in numbers.into_iter().filter(|(_, value, standard)| value != standard) {
@@ -157,6 +158,7 @@ pub(super) fn options(options: &Options) -> Row {
     let counts = [
         ("iterations", options.iterations, standard.iterations),
         ("ls_iterations", options.line_search_iterations, standard.line_search_iterations),
+        ("noslip_iterations", options.no_slip_iterations, standard.no_slip_iterations),
     ];
     for (name, count, _) in counts.into_iter().filter(|(_, count, standard)| count != standard) {
         row = row.word(name, &count.to_string());
@@ -258,6 +260,7 @@ pub(super) fn geom(model: &Model, geom: usize) -> Row {
         (GeomKind::HeightField, Some(asset)) => row.text("hfield", &model.height_fields[asset].name),
         _ => row.numbers("size", geoms.size[geom].iter().copied()),
     };
+    let row = if geoms.visible[geom] { row } else { row.numbers("rgba", [0.0; 4]) };
     row.vector("pos", geoms.position[geom])
         .orientation(geoms.orientation[geom])
         .integer("geom", "contype", geoms.contact_type[geom])

@@ -1,7 +1,7 @@
 //! Sensors as rows of attributes.
 
 use super::rows::Row;
-use crate::model::{Framed, Measure, Model};
+use crate::model::{Framed, GapQuantity, LimitQuantity, Limited, Measure, Model, Surface};
 
 pub(super) fn sensor(model: &Model, sensor: usize) -> Row {
     let measure = &model.sensors.measure[sensor];
@@ -49,6 +49,26 @@ pub(super) fn sensor(model: &Model, sensor: usize) -> Row {
         Measure::SubtreeCenter(index) => body("subtreecom", index),
         Measure::SubtreeVelocity(index) => body("subtreelinvel", index),
         Measure::SubtreeAngularMomentum(index) => body("subtreeangmom", index),
+        Measure::TendonActuatorForce(index) => tendon("tendonactuatorfrc", index),
+        Measure::Limit(Limited::Joint(index), quantity) => {
+            joint(limit(quantity, ["jointlimitpos", "jointlimitvel", "jointlimitfrc"]), index)
+        }
+        Measure::Limit(Limited::Tendon(index), quantity) => {
+            tendon(limit(quantity, ["tendonlimitpos", "tendonlimitvel", "tendonlimitfrc"]), index)
+        }
+        Measure::Range(index) => site("rangefinder", index),
+        Measure::Gap(surfaces, quantity) => {
+            let tag = match quantity {
+                GapQuantity::Distance => "distance",
+                GapQuantity::Normal => "normal",
+                GapQuantity::Segment => "fromto",
+            };
+            let sides = [["geom1", "body1"], ["geom2", "body2"]];
+            surfaces.into_iter().zip(sides).fold(Row::new(tag).text("name", name), |row, (surface, [geom, body])| match surface {
+                Surface::Geom(index) => row.text(geom, &model.geoms.name[index]),
+                Surface::Body(index) => row.text(body, &model.bodies.name[index]),
+            })
+        }
         Measure::Clock => of("clock", "name", ""),
     };
     row.unless_standard("sensor", "cutoff", [model.sensors.cutoff[sensor]])
@@ -60,5 +80,14 @@ fn framed(model: &Model, object: Framed) -> (&'static str, &str) {
         Framed::Body(body) => ("xbody", &model.bodies.name[body]),
         Framed::Geom(geom) => ("geom", &model.geoms.name[geom]),
         Framed::Site(site) => ("site", &model.sites.name[site]),
+    }
+}
+
+/// The tag of a limit's quantity.
+fn limit(quantity: LimitQuantity, [distance, velocity, force]: [&'static str; 3]) -> &'static str {
+    match quantity {
+        LimitQuantity::Distance => distance,
+        LimitQuantity::Velocity => velocity,
+        LimitQuantity::Force => force,
     }
 }

@@ -1,23 +1,22 @@
-//! Readings of a model's own sensors and forces between bodies, on request: a step has no use for them.
+//! Readings of a model's own sensors, on request: a step has no use for them.
 //!
-//! Most are looked up. Accelerations and forces between bodies take a recursive Newton-Euler pass with the accelerations found:
-//! from the root to the leaves a_b = a_parent + (rate of the axes) v + axes v', from the leaves to the root
-//! f_b = I a_b + v_b x* I v_b - (forces from outside) + sum over children f. Forces from outside are contacts, what is applied to
-//! bodies, tendons, connections and welds; gravity enters as an upward acceleration of the world.
+//! Most are looked up. Accelerations and forces between bodies take a pass of their own ([`Dynamics`]), rays and distances one
+//! over shapes (`surfaces`).
+
+mod dynamics;
+mod surfaces;
 
 use super::{
     Workspace,
-    collision::{
-        place::{Asset, Placed},
-        ray,
-    },
-    constraint::{Constraints, RowKind, equalities::polynomial},
-    rotation::{conjugate, multiply, normalize},
-    spatial::{Spatial, add, add_scaled, cross_force, spatial_zero},
+    constraint::RowKind,
+    rotation::{multiply, normalize},
+    spatial::{Spatial, spatial_zero},
     state::State,
 };
-use crate::model::{Attachment, Equality, Framed, Measure, Model};
+use crate::model::{Framed, LimitQuantity, Limited, Measure, Model, Transmission};
 use crate::scalar::Real;
+pub use dynamics::Dynamics;
+use dynamics::about;
 use nalgebra::{Matrix3, Vector3};
 
 /// Readings of all sensors, one after another (`sensordata`), after a [`forward`](super::forward) pass on `state`.
@@ -27,8 +26,8 @@ pub fn readings(model: &Model, state: &State<f64>, workspace: &Workspace<f64>) -
     let view = View { model, state, workspace, dynamics };
     for (measure, &cutoff) in model.sensors.measure.iter().zip(&model.sensors.cutoff) {
         let start = out.len();
-        view.read(measure, &mut out);
-        if cutoff > 0.0 {
+        view.read(measure, cutoff, &mut out);
+        if cutoff > 0.0 && measure.is_cut_off() {
             out[start..].iter_mut().for_each(|value| *value = value.clip(-cutoff, cutoff));
         }
     }
@@ -46,143 +45,6 @@ fn needs_dynamics(measure: &Measure) -> bool {
     )
 }
 
-/// Accelerations of bodies and forces between them and their parents, about the centre of mass of each tree (`cacc`,
-/// `cfrc_int`).
-pub struct Dynamics {
-    acceleration: Vec<Spatial<f64>>,
-    force: Vec<Spatial<f64>>,
-}
-
-impl Dynamics {
-    /// After a [`forward`](super::forward) pass on `state`.
-    pub fn new(model: &Model, state: &State<f64>, workspace: &Workspace<f64>) -> Self {
-        let (bodies, kinematics) = (&model.bodies, &workspace.kinematics);
-        let count = bodies.parent.len();
-        let mut acceleration = vec![spatial_zero(); count];
-        acceleration[0] = [Vector3::zeros(), -model.options.gravity];
-        let mut force = outside(model, state, workspace);
-        for body in 1..count {
-            let mut sum = acceleration[bodies.parent[body]];
-            for dof in bodies.dofs[body].clone() {
-                add_scaled(&mut sum, &workspace.velocities.dof_axis_rate[dof], state.velocity[dof]);
-                add_scaled(&mut sum, &kinematics.dof_axis[dof], workspace.acceleration[dof]);
-            }
-            acceleration[body] = sum;
-            let inertia = &workspace.inertia.body[body];
-            let velocity = &workspace.velocities.body[body];
-            let mut total = inertia.momentum(&sum);
-            add(&mut total, &cross_force(velocity, &inertia.momentum(velocity)));
-            add_scaled(&mut total, &force[body], -1.0);
-            force[body] = total;
-        }
-        for body in (1..count).rev().filter(|&body| bodies.parent[body] > 0) {
-            let part = force[body];
-            add(&mut force[bodies.parent[body]], &part);
-        }
-        Self { acceleration, force }
-    }
-}
-
-impl Dynamics {
-    /// What the parent of the body of a joint does to the body: torque about the joint (N m) and force (N), in world axes. Muscles,
-    /// tendons and connections are forces from outside, so what remains is what the joint itself bears.
-    pub fn joint_reaction(&self, model: &Model, workspace: &Workspace<f64>, joint: usize) -> [Vector3<f64>; 2] {
-        let (body, kinematics) = (model.joints.body[joint], &workspace.kinematics);
-        about(self.force[body], kinematics.joint_anchor[joint] - kinematics.reference(model, body))
-    }
-}
-
-/// Torque about a point and force, from those about another, from which `arm` leads to it.
-fn about([torque, force]: Spatial<f64>, arm: Vector3<f64>) -> Spatial<f64> {
-    [torque - arm.cross(&force), force]
-}
-
-/// Forces on bodies from outside (`cfrc_ext`).
-fn outside(model: &Model, state: &State<f64>, workspace: &Workspace<f64>) -> Vec<Spatial<f64>> {
-    let kinematics = &workspace.kinematics;
-    let mut force = vec![spatial_zero(); model.bodies.parent.len()];
-    let mut apply = |body: usize, point: Vector3<f64>, push: Vector3<f64>, turn: Vector3<f64>, sign: f64| {
-        let arm = point - kinematics.reference(model, body);
-        add_scaled(&mut force[body], &[turn + arm.cross(&push), push], sign);
-    };
-    for (body, [push, turn]) in state.body_force.iter().enumerate() {
-        apply(body, kinematics.inertial_position[body], *push, *turn, 1.0);
-    }
-    for contact in workspace.lanes.iter().take(1).flat_map(|lane| &lane.constraints.contacts) {
-        let [f, g, h, t, u, v] = contact.force;
-        let (push, turn) = (contact.frame.tr_mul(&Vector3::new(f, g, h)), contact.frame.tr_mul(&Vector3::new(t, u, v)));
-        let [first, second] = contact.geoms.map(|geom| model.geoms.body[geom]);
-        apply(first, contact.position, push, turn, -1.0);
-        apply(second, contact.position, push, turn, 1.0);
-    }
-    for lane in workspace.lanes.iter().take(1) {
-        hold(model, workspace, &lane.constraints, &mut force);
-    }
-    super::forces::pull_tendons(model, workspace, &mut force);
-    force
-}
-
-/// Adds the forces of equalities, and of the friction and limits of tendons.
-fn hold(model: &Model, workspace: &Workspace<f64>, constraints: &Constraints, force: &mut [Spatial<f64>]) {
-    let (rows, tendons) = (&constraints.rows, &workspace.tendons);
-    let mut previous = None;
-    for (row, &kind) in rows.kind.iter().enumerate() {
-        let strength = rows.force[row];
-        match kind {
-            RowKind::TendonFriction(tendon) => tendons.pull(tendon, strength, force),
-            RowKind::TendonLimit(tendon) => {
-                let low = model.tendons.range[tendon].map_or(0.0, |[low, _]| low);
-                let lower = rows.position[row] == tendons.length[tendon] - low;
-                tendons.pull(tendon, if lower { strength } else { -strength }, force);
-            }
-            RowKind::Equality(equality) if previous != Some(equality) => {
-                previous = Some(equality);
-                let part = |index: usize| rows.force[row + index];
-                let push = |first: usize| Vector3::new(part(first), part(first + 1), part(first + 2));
-                match &model.equalities.kind[equality] {
-                    Equality::Joint(_) => {}
-                    Equality::Tendon(coupling) => {
-                        tendons.pull(coupling.tendon, strength, force);
-                        if let Some(leader) = coupling.leader {
-                            let displacement = tendons.length[leader] - model.tendons.reference_length[leader];
-                            let [_, slope] = polynomial(&coupling.polynomial, displacement);
-                            tendons.pull(leader, -slope * strength, force);
-                        }
-                    }
-                    Equality::Connect(attachment) => attach(model, workspace, attachment, push(0), None, force),
-                    Equality::Weld { attachment, torque_scale } => {
-                        attach(model, workspace, attachment, push(0), Some(push(3) * (0.5 * torque_scale)), force);
-                    }
-                }
-            }
-            _ => {}
-        }
-    }
-}
-
-/// Adds a push between the origins of two frames, and the torque whose power is `turn` times the rate of the vector part of
-/// conj(Q₂) Q₁: the vector part of Q₂ turn conj(Q₁).
-fn attach(
-    model: &Model,
-    workspace: &Workspace<f64>,
-    attachment: &Attachment,
-    push: Vector3<f64>,
-    turn: Option<Vector3<f64>>,
-    force: &mut [Spatial<f64>],
-) {
-    let kinematics = &workspace.kinematics;
-    let frame = |side: usize| multiply(&kinematics.body_orientation[attachment.bodies[side]], &attachment.orientation[side]);
-    let torque = turn.map_or(Vector3::zeros(), |turn| {
-        let [_, x, y, z] = multiply(&multiply(&frame(1), &[0.0, turn.x, turn.y, turn.z]), &conjugate(&frame(0)));
-        Vector3::new(x, y, z)
-    });
-    for (side, sign) in [(0, 1.0), (1, -1.0)] {
-        let body = attachment.bodies[side];
-        let arm = kinematics.point(body, &attachment.position[side]) - kinematics.reference(model, body);
-        add_scaled(&mut force[body], &[torque + arm.cross(&push), push], sign);
-    }
-}
-
 /// What readings are taken from.
 struct View<'a> {
     model: &'a Model,
@@ -192,7 +54,7 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    fn read(&self, measure: &Measure, out: &mut Vec<f64>) {
+    fn read(&self, measure: &Measure, cutoff: f64, out: &mut Vec<f64>) {
         let (model, state, workspace) = (self.model, self.state, self.workspace);
         let (joints, actuation) = (&model.joints, &workspace.actuation);
         let dofs = |joint: usize| &state.velocity[joints.dof_address[joint]..];
@@ -247,8 +109,33 @@ impl View<'_> {
             Measure::SubtreeCenter(body) => out.extend(&workspace.kinematics.subtree_com[body]),
             Measure::SubtreeVelocity(body) => out.extend(&self.subtree_velocity(body)),
             Measure::SubtreeAngularMomentum(body) => out.extend(&self.subtree_momentum(body)),
+            Measure::TendonActuatorForce(tendon) => out.push(self.tendon_actuator_force(tendon)),
+            Measure::Limit(limited, quantity) => out.push(self.limit(limited, quantity)),
+            Measure::Range(site) => out.push(self.range(site)),
+            Measure::Gap(surfaces, quantity) => self.gap(surfaces, quantity, cutoff, out),
             Measure::Clock => out.push(state.time),
         }
+    }
+
+    /// Sum of the forces of the actuators that pull a tendon.
+    fn tendon_actuator_force(&self, tendon: usize) -> f64 {
+        let transmissions = self.model.actuators.transmission.iter();
+        let pulls = transmissions.zip(&self.workspace.actuation.force).filter(|(way, _)| **way == Transmission::Tendon(tendon));
+        pulls.map(|(_, force)| force).sum()
+    }
+
+    /// A quantity of the first row of a limit, zero where the limit is not reached.
+    fn limit(&self, limited: Limited, quantity: LimitQuantity) -> f64 {
+        let kind = match limited {
+            Limited::Joint(joint) => RowKind::JointLimit(joint),
+            Limited::Tendon(tendon) => RowKind::TendonLimit(tendon),
+        };
+        let Some(rows) = self.workspace.lanes.first().map(|lane| &lane.constraints.rows) else { return 0.0 };
+        rows.kind.iter().position(|known| *known == kind).map_or(0.0, |row| match quantity {
+            LimitQuantity::Distance => rows.position[row] - rows.margin[row],
+            LimitQuantity::Velocity => rows.velocity[row],
+            LimitQuantity::Force => rows.force[row],
+        })
     }
 
     fn body_of(&self, object: Framed) -> usize {
@@ -313,24 +200,6 @@ impl View<'_> {
 
     fn seen_from(&self, reference: Option<Framed>, vector: Vector3<f64>) -> Vector3<f64> {
         reference.map_or(vector, |frame| self.place(frame).1.tr_mul(&vector))
-    }
-
-    fn touch(&self, site: usize, measure: &Measure) -> f64 {
-        let Measure::Touch { shape, size, .. } = *measure else { return 0.0 };
-        let (position, rotation) = self.place(Framed::Site(site));
-        let zone = Placed { kind: shape, position, rotation, size, asset: Asset::None };
-        let body = self.model.sites.body[site];
-        let mut sum = 0.0;
-        for contact in self.workspace.lanes.iter().take(1).flat_map(|lane| &lane.constraints.contacts) {
-            let bodies = contact.geoms.map(|geom| self.model.geoms.body[geom]);
-            let normal: Vector3<f64> = contact.frame.row(0).transpose();
-            // From the contact into the other body: where the skin of the sensor's own body should be.
-            let ray = if bodies[1] == body { -normal } else { normal };
-            if contact.force[0] > 0.0 && bodies.contains(&body) && ray::meet(&zone, contact.position, ray).is_some() {
-                sum += contact.force[0];
-            }
-        }
-        sum
     }
 
     /// The bodies from `root` downwards.
