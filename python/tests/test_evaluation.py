@@ -82,8 +82,12 @@ for line in sys.stdin:
     request = json.loads(line)
     if "task" in request:
         size = len(request["task"]["action"])
-        if not os.path.exists(sys.argv[1]):
-            open(sys.argv[1], "w").close()
+        # Several processes come here at the same time: the one that creates the file is killed.
+        try:
+            open(sys.argv[1], "x").close()
+        except FileExistsError:
+            pass
+        else:
             os.kill(os.getppid(), signal.SIGKILL)
         reply = {"ready": True}
     else:
