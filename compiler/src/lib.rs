@@ -19,7 +19,7 @@ pub mod motion;
 pub mod mutation;
 mod notation;
 pub mod quantity;
-mod resolve;
+pub mod resolve;
 pub mod signals;
 pub mod spoken;
 pub mod survey;

@@ -1,6 +1,7 @@
 //! All tests of this crate as one program, which is linked once; each file is a module.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
+mod agreement;
 mod caps;
 mod codes;
 mod corpus;

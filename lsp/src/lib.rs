@@ -4,8 +4,8 @@
 //! 2. `server` takes messages one after the other and answers them; there are no threads and no time-outs in it.
 //! 3. `workspace` holds the open texts over the files on disk, and asks the compiler what it understood of them; what is
 //!    asked twice is compiled once, as long as every file that was read is what it was.
-//! 4. `index` knows which word means which declaration, from the syntax trees alone, so that names can be followed and
-//!    renamed in texts that do not compile.
+//! 4. which name means which declaration is the compiler's to say: its index ([`msk_compiler::resolve::index`]) resolves all names
+//!    from the syntax trees, so that they can be followed and renamed in texts that do not compile.
 //! 5. each kind of question has a file of its own: `hover`, `completion`, `navigation`, `rename`, `symbols`, `actions`, `hints`,
 //!    `layout`, `report`.
 //!
@@ -20,7 +20,6 @@ mod completion;
 mod edits;
 mod hints;
 mod hover;
-mod index;
 mod inputs;
 mod layout;
 mod navigation;

@@ -1,10 +1,10 @@
 //! From names to declarations and back.
 
-use crate::index::{Index, Occurrence};
 use crate::paths;
 use crate::positions::{Encoding, Lines};
 use crate::workspace::Workspace;
 use lsp_types::{DocumentHighlight, DocumentHighlightKind, Location};
+use msk_compiler::resolve::index::{Index, Occurrence};
 use msk_compiler::syntax::tree::{Item, Text};
 use std::path::Path;
 

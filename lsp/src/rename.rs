@@ -1,11 +1,11 @@
 //! Renaming what a text declares, in all files, so that it means what it meant.
 
 use crate::edits::Edits;
-use crate::index::{Index, Occurrence, Space};
 use crate::positions::{Encoding, Lines};
 use crate::workspace::Workspace;
 use lsp_types::{Range, WorkspaceEdit};
 use msk_compiler::diagnostics::{Diagnostic, Severity, Span};
+use msk_compiler::resolve::index::{Index, Occurrence, Space};
 use msk_compiler::syntax::UNITS;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

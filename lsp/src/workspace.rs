@@ -1,6 +1,5 @@
 //! The open texts over the files on disk, and what the compiler understood of them.
 
-use crate::index::Index;
 use crate::inputs::{Inputs, Recorder};
 use lsp_types::Uri;
 use msk_compiler::body::BodyDescription;
@@ -9,6 +8,7 @@ use msk_compiler::diagnostics::{Diagnostic, FileId};
 use msk_compiler::files::{BodySource, LoadError, Loader};
 use msk_compiler::inspect;
 use msk_compiler::motion::Motion;
+use msk_compiler::resolve::index::Index;
 use msk_compiler::vocabulary::Vocabulary;
 use std::any::Any;
 use std::cell::{Cell, RefCell};

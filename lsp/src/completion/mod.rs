@@ -7,7 +7,6 @@
 mod place;
 mod words;
 
-use crate::index::Space;
 use crate::positions::{Encoding, Lines};
 use crate::workspace::{Workspace, file_of};
 use lsp_types::{CompletionItem, CompletionItemKind, CompletionTextEdit, Documentation, TextEdit};
@@ -18,6 +17,7 @@ use msk_compiler::compile::Inspection;
 use msk_compiler::diagnostics::{FileId, Span};
 use msk_compiler::hir::Members;
 use msk_compiler::quantity::unit;
+use msk_compiler::resolve::index::Space;
 use msk_compiler::signals::{self, Owner};
 use msk_compiler::syntax::parse;
 use msk_compiler::vocabulary::{GroupKind, JointKind, Vocabulary};

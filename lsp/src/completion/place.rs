@@ -1,7 +1,7 @@
 //! What is being written, from the text before the cursor alone: the text around it is seldom whole.
 
 use super::words::{self, Table};
-use crate::index::Space;
+use msk_compiler::resolve::index::Space;
 use std::ops::Range;
 
 /// Where the cursor stands.

@@ -2,9 +2,9 @@
 
 use super::declare::{expanded, removed};
 use super::{Index, Space};
-use msk_compiler::diagnostics::Span;
-use msk_compiler::syntax::tree::walk::{self, Visitor};
-use msk_compiler::syntax::tree::{
+use crate::diagnostics::Span;
+use crate::syntax::tree::walk::{self, Visitor};
+use crate::syntax::tree::{
     BodyStatement, ElementName, Expr, ExprKind, Function, Ident, InitStatement, Item, Name, NamePart, Played, PoseUse,
     SceneStatement, TaskStatement, TestStatement,
 };

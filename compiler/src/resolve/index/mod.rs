@@ -1,19 +1,19 @@
-//! Which word means which declaration, in all files, from the syntax trees alone.
+//! Which name means which declaration, in all files, whether their tasks are checked or not. Editors query it for definitions,
+//! references and renaming.
 //!
 //! 1. [`Index::of`] reads the files and what they use;
 //! 2. `declare` collects what files, tasks and bodies declare; what a task overrides is the same symbol as what it inherits;
-//! 3. `refer` walks through all formulas and finds what each word means, in the order in which the checker looks;
-//! 4. `agreement` tests that the checker finds the same.
+//! 3. `refer` walks through all formulas and statements and resolves each name, in the order in which `scope` looks.
+//!
+//! `compiler/tests/agreement.rs` tests that the checker, which resolves through `scope`, finds the same.
 
-#[cfg(test)]
-mod agreement;
 mod declare;
 mod refer;
 
-use msk_compiler::diagnostics::{FileId, SourceMap, Span};
-use msk_compiler::files::{Loader, plain};
-use msk_compiler::syntax;
-use msk_compiler::syntax::tree::{self, Item};
+use crate::diagnostics::{FileId, SourceMap, Span};
+use crate::files::{Loader, plain};
+use crate::syntax;
+use crate::syntax::tree::{self, Item};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

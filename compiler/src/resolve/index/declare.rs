@@ -1,8 +1,8 @@
 //! What files, tasks, scenes and bodies declare.
 
 use super::{Index, Names, Space};
-use msk_compiler::diagnostics::Span;
-use msk_compiler::syntax::tree::{
+use crate::diagnostics::Span;
+use crate::syntax::tree::{
     BodyStatement, Docs, Element, ElementName, Entry, Ident, Item, Name, NamePart, SceneStatement, TaskStatement, walk,
 };
 
@@ -225,7 +225,7 @@ pub(super) fn removed<T>(entries: &[Entry<T>]) -> impl Iterator<Item = &Name> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use msk_compiler::files::{LoadError, Loader};
+    use crate::files::{LoadError, Loader};
     use std::path::{Path, PathBuf};
 
     struct Text(String);

@@ -1,10 +1,10 @@
 //! The index beside the compiler: for every name that the checker resolved the index has the same declaration.
 
-use super::Index;
 use msk_compiler::body::BodyDescription;
 use msk_compiler::diagnostics::{FileId, Span};
 use msk_compiler::files::{BodySource, LoadError, Loader};
 use msk_compiler::hir::{NameUse, Resolution};
+use msk_compiler::resolve::index::Index;
 use msk_compiler::vocabulary::Vocabulary;
 use msk_compiler::{Inspection, inspect};
 use std::collections::{BTreeMap, BTreeSet};
@@ -30,7 +30,7 @@ impl BodySource for Repository {
     }
 
     fn vocabulary(&self, _: &BodyDescription) -> Result<Vocabulary, String> {
-        let text = include_str!("../../../compiler/tests/fixtures/human_vocabulary.json");
+        let text = include_str!("fixtures/human_vocabulary.json");
         serde_json::from_str(text).map_err(|error| error.to_string())
     }
 }
