@@ -3,6 +3,7 @@
 use super::{
     Plan, Workspace,
     constraint::Constraints,
+    dispatch::{Stage, run},
     fault::{Fault, Quantity, is_valid},
     rotation::MINIMUM,
     smooth::unconstrained,
@@ -55,7 +56,8 @@ fn gather<T: Real>(to: &mut Vec<f64>, from: &[T], lane: usize) {
 }
 
 /// Detects the contacts of all lanes. Needs positions.
-pub fn contacts<T: Real>(model: &Model, workspace: &mut Workspace<T>) {
+pub fn contacts<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+    run(Stage::Near, model, state, workspace);
     each_lane(workspace, |workspace, own, lane| own.constraints.detect(model, workspace, lane));
 }
 

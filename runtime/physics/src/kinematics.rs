@@ -2,7 +2,7 @@
 
 use super::{
     rotation::{constant_quaternion, from_axis_angle, matrix, multiply, normalize},
-    spatial::{Spatial, constant, cross, rotate, scale, spatial_zero, zero},
+    spatial::{Spatial, constant, cross, lane_of, matrix_of, rotate, scale, spatial_zero, zero},
     state::State,
 };
 use crate::{
@@ -140,8 +140,8 @@ impl<T: Real> Kinematics<T> {
 
     /// The point that all spatial vectors of `body` refer to: the centre of mass of its kinematic tree.
     #[inline(always)]
-    pub fn reference(&self, model: &Model, body: usize) -> Vector3<T> {
-        self.subtree_com[model.bodies.root[body]]
+    pub fn reference(&self, model: &Model, body: usize) -> &Vector3<T> {
+        &self.subtree_com[model.bodies.root[body]]
     }
 }
 
@@ -253,8 +253,7 @@ fn place_own_shapes<T: Real>(model: &Model, out: &mut Kinematics<T>) {
     for lane in 0..T::LANES {
         for shape in overrides.lane(lane).iter().flat_map(|own| &own.shapes) {
             let body = model.geoms.body[shape.geom];
-            let (origin, rotation) =
-                (body_position[body].map(|value| value.lane(lane)), body_rotation[body].map(|value| value.lane(lane)));
+            let (origin, rotation) = (lane_of(&body_position[body], lane), matrix_of(&body_rotation[body], lane));
             let place = rotate(&rotation, &shape.position) + origin;
             geom_position[shape.geom].iter_mut().zip(place.iter()).for_each(|(slot, value)| slot.set_lane(lane, *value));
         }

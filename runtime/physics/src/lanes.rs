@@ -129,7 +129,7 @@ impl Real for Lanes {
         Self([value; WIDTH])
     }
     #[inline(always)]
-    fn lane(self, index: usize) -> f64 {
+    fn lane(&self, index: usize) -> f64 {
         self.0[index]
     }
     #[inline(always)]

@@ -29,7 +29,7 @@ pub trait Real:
     /// The same constant in every lane.
     fn splat(value: f64) -> Self;
     /// The value in lane `index < LANES`.
-    fn lane(self, index: usize) -> f64;
+    fn lane(&self, index: usize) -> f64;
     /// Replaces the value in lane `index < LANES`.
     fn set_lane(&mut self, index: usize, value: f64);
 
@@ -107,8 +107,8 @@ impl Real for f64 {
         value
     }
     #[inline(always)]
-    fn lane(self, _index: usize) -> f64 {
-        self
+    fn lane(&self, _index: usize) -> f64 {
+        *self
     }
     #[inline(always)]
     fn set_lane(&mut self, _index: usize, value: f64) {

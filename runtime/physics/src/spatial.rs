@@ -28,6 +28,19 @@ pub fn constant<T: Real>(value: &Vector3<f64>) -> Vector3<T> {
     Vector3::new(T::splat(value.x), T::splat(value.y), T::splat(value.z))
 }
 
+/// A vector as it is in one lane.
+#[inline(always)]
+pub fn lane_of<T: Real>(v: &Vector3<T>, lane: usize) -> Vector3<f64> {
+    Vector3::new(v.x.lane(lane), v.y.lane(lane), v.z.lane(lane))
+}
+
+/// A matrix as it is in one lane.
+#[inline(always)]
+pub fn matrix_of<T: Real>(m: &Matrix3<T>, lane: usize) -> Matrix3<f64> {
+    // By reference: the numbers of the other lanes are not copied.
+    Matrix3::from_fn(|row, column| m[(row, column)].lane(lane))
+}
+
 /// a . b
 #[inline(always)]
 pub fn dot<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> T {

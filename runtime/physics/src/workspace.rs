@@ -2,8 +2,8 @@
 
 use super::integrator::{implicit::Implicit, runge_kutta::RungeKutta};
 use super::{
-    Fault, Instructions, Plan, actuation::Actuation, constrained::ConstraintState, forces::Forces, inertia::Inertia,
-    kinematics::Kinematics, tendons::TendonPaths, velocities::Velocities,
+    Fault, Instructions, Plan, actuation::Actuation, collision::NearPairs, constrained::ConstraintState, forces::Forces,
+    inertia::Inertia, kinematics::Kinematics, tendons::TendonPaths, velocities::Velocities,
 };
 use crate::{
     model::{Cone, Integrator, Model},
@@ -18,6 +18,8 @@ use pulp::Arch;
 pub struct Workspace<T: Real> {
     /// Frames, centres of mass and motion axes.
     pub kinematics: Kinematics<T>,
+    /// Pairs of geoms that are near each other.
+    pub(crate) near: NearPairs<T>,
     /// The mass matrix and its factor.
     pub inertia: Inertia<T>,
     /// Tendon lengths and velocities and the lines of action between bodies.
@@ -60,6 +62,7 @@ impl<T: Real> Workspace<T> {
     pub fn of(model: &Model, plan: &Plan) -> Self {
         Self {
             kinematics: Kinematics::of(model, &plan.kinematics),
+            near: NearPairs::of(&plan.pairs),
             inertia: Inertia::of(model, &plan.armature),
             tendons: TendonPaths::of(model, &plan.tendons),
             velocities: Velocities::new(model),

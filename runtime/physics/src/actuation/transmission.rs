@@ -15,7 +15,7 @@ use crate::{
     model::{JointKind, Model, Transmission},
     rotation::{MINIMUM, constant_quaternion, difference, matrix, multiply, normalize},
     scalar::Real,
-    spatial::{Spatial, cross, dot, pair, rotate, rotate_back, zero},
+    spatial::{Spatial, cross, dot, lane_of, pair, rotate, rotate_back, zero},
     state::State,
 };
 use core::ops::Range;
@@ -164,9 +164,9 @@ fn adhesion_moment<T: Real>(model: &Model, kinematics: &Kinematics<T>, lanes: &[
             let normal = contact.frame.row(0).transpose();
             for (geom, sign) in contact.geoms.into_iter().zip([share, -share]) {
                 let body = model.geoms.body[geom];
-                let arm = contact.position - kinematics.reference(model, body).map(|value| value.lane(lane));
+                let arm = contact.position - lane_of(kinematics.reference(model, body), lane);
                 for dof in core::iter::successors(last_dof(model, body), |&dof| model.dofs.parent[dof]) {
-                    let [angular, linear] = kinematics.dof_axis[dof].map(|part| part.map(|value| value.lane(lane)));
+                    let [angular, linear] = kinematics.dof_axis[dof].each_ref().map(|part| lane_of(part, lane));
                     let part = sign * (linear + angular.cross(&arm)).dot(&normal);
                     moment[dof].set_lane(lane, moment[dof].lane(lane) + part);
                 }

@@ -180,7 +180,7 @@ impl Batch {
     /// Simulated time of an episode, s; `None` where there is none.
     pub fn time(&self, index: usize) -> Option<f64> {
         let (group, lane) = self.place(index).ok()?;
-        Some(crate::scalar::Real::lane(self.groups[group].state.time, lane))
+        Some(crate::scalar::Real::lane(&self.groups[group].state.time, lane))
     }
 
     /// Why an episode is not stepped any more.

@@ -74,18 +74,22 @@ impl Broad {
         Self { always, rows }
     }
 
-    /// Writes the candidates worth a closer look to `chosen`, ascending.
-    pub fn choose(&self, position: impl Fn(usize) -> Vector3<f64>, chosen: &mut Vec<usize>) {
+    /// Writes the candidates worth a closer look in any lane to `chosen`, ascending. `position` gives the coordinate of a geom along an
+    /// axis in a lane.
+    pub fn choose(&self, lanes: usize, position: impl Fn(usize, usize, usize) -> f64, chosen: &mut Vec<usize>) {
         chosen.clear();
         chosen.extend_from_slice(&self.always);
         for row in &self.rows {
-            let centre = position(row.geom)[row.axis];
-            let start = row.places.partition_point(|place| place.0 < centre - row.reach);
-            let near = row.places[start..].iter().take_while(|place| place.0 <= centre + row.reach);
-            chosen.extend(near.map(|place| place.1));
+            for lane in 0..lanes {
+                let centre = position(row.geom, row.axis, lane);
+                let start = row.places.partition_point(|place| place.0 < centre - row.reach);
+                let near = row.places[start..].iter().take_while(|place| place.0 <= centre + row.reach);
+                chosen.extend(near.map(|place| place.1));
+            }
         }
         if !self.rows.is_empty() {
             chosen.sort_unstable();
+            chosen.dedup();
         }
     }
 }
@@ -121,7 +125,7 @@ mod tests {
         let mut chosen = Vec::new();
         let ball = plan.candidates[0].geoms[1];
         let position = |geom: usize| if geom == ball { Vector3::new(20.2, 0.0, 0.2) } else { resting_place(&model, geom) };
-        broad.choose(position, &mut chosen);
+        broad.choose(1, |geom, axis, _| position(geom)[axis], &mut chosen);
         assert!(chosen.len() <= 4 && chosen.is_sorted(), "{chosen:?}");
         let touches = |index: &usize| {
             let [a, b] = plan.candidates[*index].geoms;

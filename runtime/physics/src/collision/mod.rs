@@ -2,12 +2,12 @@
 //!
 //! 1. [`Plan::new`] decides once per model which pairs of geoms can ever meet (MuJoCo's filters: contact bits, welded and
 //!    neighbouring bodies, exclusions, explicit pairs), in MuJoCo's order, and mixes their contact parameters;
-//! 2. [`Plan::detect`] passes over resting shapes far from a moving one, tests the bounding spheres of the other pairs and
-//!    calls the collider of those that are close.
+//! 2. [`NearPairs`] passes over resting shapes far from a moving one, and tests the bounding spheres of the other pairs in all lanes;
+//! 3. [`Plan::detect`] calls the collider of those that are close.
 //!
 //! A human body on a plane has about 160 such pairs, so testing all of them costs less than keeping any tree of volumes up
-//! to date; a scene adds resting shapes by the hundred, which are sorted once. Which pair collides is ragged from episode to episode, so this stage works on one episode in `f64`; episodes
-//! that share SIMD lanes elsewhere pass through it one by one.
+//! to date; a scene adds resting shapes by the hundred, which are sorted once. Which pair collides is ragged from episode to episode, so
+//! the last works on one episode in `f64`; episodes that share SIMD lanes elsewhere pass through it one by one.
 
 mod box_box;
 mod broad;
@@ -16,6 +16,7 @@ mod convex;
 pub mod distance;
 mod ellipsoid;
 mod height_field;
+mod near;
 mod parameters;
 pub mod place;
 mod plane;
@@ -26,6 +27,7 @@ mod shapes;
 
 pub use convex::Scratch;
 pub use convex::support::{Core, SupportShape};
+pub use near::NearPairs;
 pub use parameters::{CollisionPair, Sliding};
 pub use place::{Asset, Placed};
 
@@ -64,7 +66,6 @@ pub struct Contact {
 /// Memory of the search for contacts, kept between steps.
 #[derive(Debug, Clone, Default)]
 pub struct Memory {
-    chosen: Vec<usize>,
     found: Vec<ContactPoint>,
     scratch: Scratch,
 }
@@ -87,35 +88,21 @@ impl Plan {
         &self.columns[self.candidates[candidate].columns.clone()]
     }
 
-    /// Finds the contacts of the geoms where the kinematics of the episode in `lane` put them and writes them to `contacts`, in
-    /// the order of the candidates.
+    /// Finds the contacts of the pairs that are `near` where the kinematics of the episode in `lane` put them, and writes them to
+    /// `contacts`, in the order of the candidates.
     pub fn detect<T: Real>(
         &self,
         model: &Model,
-        kinematics: &Kinematics<T>,
+        (kinematics, near): (&Kinematics<T>, &NearPairs<T>),
         lane: usize,
         contacts: &mut Vec<Contact>,
         memory: &mut Memory,
     ) {
         contacts.clear();
-        let Memory { chosen, found, scratch } = memory;
-        let position = |geom: usize| kinematics.geom_position[geom].map(|value| value.lane(lane));
-        let rotation = |geom: usize| kinematics.geom_rotation[geom].map(|value| value.lane(lane));
-        let own = kinematics.overrides.lane(lane);
-        self.broad.choose(position, chosen);
-        for &index in chosen.iter() {
+        let Memory { found, scratch } = memory;
+        for index in near.in_lane(lane) {
             let candidate = &self.candidates[index];
             let [first, second] = candidate.geoms;
-            let between = position(second) - position(first);
-            let bound = candidate.bound + own.map_or(0.0, |own| own.growth(model, candidate.geoms));
-            let far = if candidate.kinds[0] == GeomKind::Plane {
-                between.dot(&rotation(first).column(2)) > bound
-            } else {
-                between.norm_squared() > bound * bound
-            };
-            if far {
-                continue;
-            }
             let place = |geom: usize| Placed::of(model, kinematics, lane, geom);
             collide(candidate, &place(first), &place(second), scratch, found);
             contacts.extend(found.drain(..).map(|point: ContactPoint| Contact {

@@ -5,6 +5,7 @@ use crate::{
     model::{GeomKind, HeightField, Mesh, Model},
     overrides::ShapeOverride,
     scalar::Real,
+    spatial::{lane_of, matrix_of},
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -58,8 +59,8 @@ impl<'a> Placed<'a> {
 
     /// Geom `geom` where the kinematics of the episode in `lane` put it.
     pub fn of<T: Real>(model: &'a Model, kinematics: &'a Kinematics<T>, lane: usize, geom: usize) -> Self {
-        let position = kinematics.geom_position[geom].map(|value| value.lane(lane));
-        let rotation = kinematics.geom_rotation[geom].map(|value| value.lane(lane));
+        let position = lane_of(&kinematics.geom_position[geom], lane);
+        let rotation = matrix_of(&kinematics.geom_rotation[geom], lane);
         Self::new(model, kinematics.overrides.shape(lane, geom), geom, position, rotation)
     }
 

@@ -9,6 +9,7 @@ use crate::{
     kinematics::Kinematics,
     model::{GeomKind, HeightField, Mesh, Model},
     scalar::Real,
+    spatial::lane_of,
 };
 use nalgebra::Vector3;
 
@@ -41,7 +42,7 @@ pub fn cast<T: Real>(
         let radius = kinematics.overrides.bounding_radius(model, lane, geom);
         if radius > 0.0 {
             // Rays that pass the bounding sphere by need not know the shape.
-            let centre = kinematics.geom_position[geom].map(|value| value.lane(lane)) - origin;
+            let centre = lane_of(&kinematics.geom_position[geom], lane) - origin;
             let along = (centre.dot(&direction) / square).clip(0.0, limit);
             if (centre - direction * along).norm_squared() > radius * radius * (1.0 + 1e-9) {
                 continue;

@@ -13,6 +13,7 @@ use crate::{
     collision::{CollisionPair, Contact},
     model::{self, Model, SolverParameters},
     scalar::Real,
+    spatial::lane_of,
     state::State,
 };
 use nalgebra::Vector3;
@@ -40,8 +41,8 @@ impl Constraints {
             };
             self.jacobian.push_rows(columns, candidate.dimension, shape, friction, |column| {
                 let dof = columns[column];
-                let reference = kinematics.reference(model, model.dofs.body[dof]).map(|value| value.lane(lane));
-                let [angular, linear] = kinematics.dof_axis[dof].map(|vector| vector.map(|value| value.lane(lane)));
+                let reference = lane_of(kinematics.reference(model, model.dofs.body[dof]), lane);
+                let [angular, linear] = kinematics.dof_axis[dof].each_ref().map(|vector| lane_of(vector, lane));
                 let velocity = linear + angular.cross(&(contact.position - reference));
                 let (along, about) = (contact.frame * velocity * sides[column], contact.frame * angular * sides[column]);
                 [along.x, along.y, along.z, about.x, about.y, about.z]
@@ -84,9 +85,9 @@ fn drift<T: Real>(
     let [first, second] = candidate.bodies.map(|body| {
         let root = model.bodies.root[body];
         let Some(index) = kinematics.placed(root) else { return [Vector3::zeros(); 2] };
-        let [spin, linear] = state.mocap_velocity[index].map(|vector| vector.map(|value| value.lane(lane)));
+        let [spin, linear] = state.mocap_velocity[index].each_ref().map(|vector| lane_of(vector, lane));
         moves |= spin != Vector3::zeros() || linear != Vector3::zeros();
-        let arm = contact.position - kinematics.body_position[root].map(|value| value.lane(lane));
+        let arm = contact.position - lane_of(&kinematics.body_position[root], lane);
         [linear + spin.cross(&arm), spin]
     });
     let [along, about] = [0, 1].map(|part| contact.frame * (second[part] - first[part]));

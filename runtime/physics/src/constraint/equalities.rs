@@ -24,6 +24,7 @@ use crate::{
     model::{Attachment, Equality, Model, TendonCoupling},
     rotation::{conjugate, multiply},
     scalar::Real,
+    spatial::{lane_of, matrix_of},
 };
 use nalgebra::Vector3;
 
@@ -118,11 +119,11 @@ impl Constraints {
         let kinematics = &workspace.kinematics;
         let bodies = attachment.bodies;
         let points: [Vector3<f64>; 2] = core::array::from_fn(|side| {
-            let rotation = kinematics.body_rotation[bodies[side]].map(|value| value.lane(lane));
-            rotation * attachment.position[side] + kinematics.body_position[bodies[side]].map(|value| value.lane(lane))
+            let rotation = matrix_of(&kinematics.body_rotation[bodies[side]], lane);
+            rotation * attachment.position[side] + lane_of(&kinematics.body_position[bodies[side]], lane)
         });
         let frames: [[f64; 4]; 2] = core::array::from_fn(|side| {
-            let orientation = kinematics.body_orientation[bodies[side]].map(|value| value.lane(lane));
+            let orientation = kinematics.body_orientation[bodies[side]].each_ref().map(|value| value.lane(lane));
             multiply(&orientation, &attachment.orientation[side])
         });
         let back = conjugate(&frames[1]);
@@ -136,8 +137,8 @@ impl Constraints {
         let (columns, moves) = (&self.fixed.columns[range.clone()], &self.fixed.moves[range]);
         let base = |column: usize| -> [f64; MOST_BASE_ROWS] {
             let dof = columns[column];
-            let reference = kinematics.reference(model, model.dofs.body[dof]).map(|value| value.lane(lane));
-            let [angular, linear] = kinematics.dof_axis[dof].map(|vector| vector.map(|value| value.lane(lane)));
+            let reference = lane_of(kinematics.reference(model, model.dofs.body[dof]), lane);
+            let [angular, linear] = kinematics.dof_axis[dof].each_ref().map(|vector| lane_of(vector, lane));
             let [first, second] = moves[column];
             let at = |point: Vector3<f64>| linear + angular.cross(&(point - reference));
             let apart = at(points[0]) * first - at(points[1]) * second;
@@ -212,13 +213,13 @@ struct Motion {
 impl Motion {
     fn of<T: Real>(model: &Model, workspace: &Workspace<T>, lane: usize, attachment: &Attachment, side: usize) -> Self {
         let (kinematics, body) = (&workspace.kinematics, attachment.bodies[side]);
-        let of_lane = |vector: &Vector3<T>| vector.map(|value| value.lane(lane));
-        let rotation = kinematics.body_rotation[body].map(|value| value.lane(lane));
+        let of_lane = |vector: &Vector3<T>| lane_of(vector, lane);
+        let rotation = matrix_of(&kinematics.body_rotation[body], lane);
         let point = rotation * attachment.position[side] + of_lane(&kinematics.body_position[body]);
-        let arm = point - of_lane(&kinematics.reference(model, body));
+        let arm = point - of_lane(kinematics.reference(model, body));
         let [spin, velocity] = [0, 1].map(|part| of_lane(&workspace.velocities.body[body][part]));
         let [turning, acceleration] = [0, 1].map(|part| of_lane(&workspace.forces.body_acceleration[body][part]));
-        let orientation = kinematics.body_orientation[body].map(|value| value.lane(lane));
+        let orientation = kinematics.body_orientation[body].each_ref().map(|value| value.lane(lane));
         Self {
             acceleration: acceleration + turning.cross(&arm) + spin.cross(&(velocity + spin.cross(&arm))),
             spin,
