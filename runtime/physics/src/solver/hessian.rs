@@ -3,6 +3,7 @@
 
 use super::{
     Newton, Parts,
+    outer::{self, BaseWeight},
     together::{factor_limit, update_cost},
 };
 use crate::{
@@ -108,30 +109,10 @@ impl Newton {
     }
 }
 
-/// Second derivative of the cost over the base rows of a block.
-type BaseWeight = [[f64; MOST_BASE_ROWS]; MOST_BASE_ROWS];
-
-/// Adds a block's J'WJ to the matrix, with the weight W of its base rows: its columns lie on one path, so each row's entries
-/// are found by their depth. The columns of what touches the world are the whole path, entry beside entry.
+/// Adds a block's J'WJ to the matrix, with the weight W of its base rows.
 #[inline(always)]
-fn add_block(pattern: &PathPattern, matrix: &mut [f64], jacobian: &Jacobian, block: &Block, base: &BaseWeight) {
-    let columns = jacobian.columns_of(block);
-    let rows: [&[f64]; MOST_BASE_ROWS] =
+fn add_block(pattern: &PathPattern, matrix: &mut [f64], jacobian: &Jacobian, block: &Block, weight: &BaseWeight<f64>) {
+    let base: [&[f64]; MOST_BASE_ROWS] =
         core::array::from_fn(|row| if row < block.dimension { jacobian.base_row(block, row) } else { &[] });
-    let whole_path = columns.last().is_some_and(|&last| pattern.depth(last) + 1 == columns.len());
-    for (place, &dof) in columns.iter().enumerate() {
-        let target = &mut matrix[pattern.row[dof].clone()];
-        for (row, values) in rows[..block.dimension].iter().enumerate() {
-            let pull: f64 = (0..block.dimension).map(|other| base[row][other] * rows[other][place]).sum();
-            if whole_path {
-                for (entry, value) in target.iter_mut().zip(*values) {
-                    *entry += pull * value;
-                }
-            } else {
-                for (&column, value) in columns[..=place].iter().zip(*values) {
-                    target[pattern.depth(column)] += pull * value;
-                }
-            }
-        }
-    }
+    outer::add(pattern, matrix, jacobian.columns_of(block), &base[..block.dimension], weight);
 }

@@ -30,6 +30,7 @@
 mod hessian;
 mod line_search;
 pub(crate) mod no_slip;
+mod outer;
 mod slots;
 pub(crate) mod together;
 

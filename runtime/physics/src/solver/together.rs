@@ -6,9 +6,14 @@
 //! A lane that meets what is rare (a pivot that is not positive, a direction spoilt by rounding, numbers that are not finite) is left
 //! out, and its episode is solved alone, from the start.
 
-use super::{PathPattern, slots::Slots};
+use super::{PathPattern, outer, slots::Slots};
 use crate::{
-    constrained::ConstraintState, constraint::CrossCoupling, fault::valid, inertia, model::Model, scalar::Real,
+    constrained::ConstraintState,
+    constraint::{CrossCoupling, jacobian::MOST_BASE_ROWS},
+    fault::valid,
+    inertia,
+    model::Model,
+    scalar::Real,
     tree_matrix::Layout,
 };
 use std::sync::Arc;
@@ -298,21 +303,10 @@ impl<T: Real> Together<T> {
             if !some {
                 continue;
             }
-            let base = slots.base_weight(slot, active);
-            let columns = slots.columns_of(slot);
-            for (place, &dof) in columns.iter().enumerate() {
-                let target = &mut fresh[pattern.row[dof].clone()];
-                for (row, weights) in base[..slot.dimension].iter().enumerate() {
-                    let mut pull = T::splat(-0.0);
-                    for (other, weight) in weights[..slot.dimension].iter().enumerate() {
-                        pull += *weight * slots.base_row(slot, other)[place];
-                    }
-                    for (&column, value) in columns[..=place].iter().zip(slots.base_row(slot, row)) {
-                        T::apart();
-                        target[pattern.depth(column)] += pull * *value;
-                    }
-                }
-            }
+            let weight = slots.base_weight(slot, active);
+            let base: [&[T]; MOST_BASE_ROWS] =
+                core::array::from_fn(|row| if row < slot.dimension { slots.base_row(slot, row) } else { &[] });
+            outer::add(pattern, fresh, slots.columns_of(slot), &base[..slot.dimension], &weight);
         }
         self.factored.clone_from(&self.active);
     }
