@@ -14,8 +14,12 @@ use crate::{
 };
 use core::ops::Range;
 
-/// Which constraint of the model a block is: class, element, and which of several of that element.
-type Key = (u8, usize, usize);
+/// Which constraint of the model a block is: class, element, and which of several of that element. Packed, so that the least of
+/// several is found without branches.
+type Key = u64;
+
+/// After all keys.
+const END: Key = Key::MAX;
 
 /// One constraint in all lanes.
 #[derive(Debug, Clone)]
@@ -31,66 +35,67 @@ pub(super) struct Slot<T> {
     friction: [T; 5],
 }
 
-/// All slots, with one number per row for each of its properties.
+/// One row in all lanes, as in [`Rows`](crate::constraint::Rows).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row<T> {
+    pub weight: T,
+    pub regularization: T,
+    pub reference: T,
+    pub lower: T,
+    pub upper: T,
+    pub force: T,
+}
+
+impl<T: Real> Row<T> {
+    /// The force at a residual J a - a_ref.
+    #[inline(always)]
+    pub fn force_at(&self, residual: T) -> T {
+        (-self.weight * residual).at_least(self.lower).at_most(self.upper)
+    }
+}
+
+/// All slots and their rows.
 #[derive(Debug, Clone)]
 pub(super) struct Slots<T> {
     pub slots: Vec<Slot<T>>,
+    pub rows: Vec<Row<T>>,
     pub columns: Vec<usize>,
     pub values: Vec<T>,
-    pub weight: Vec<T>,
-    pub regularization: Vec<T>,
-    pub reference: Vec<T>,
-    pub lower: Vec<T>,
-    pub upper: Vec<T>,
-    pub force: Vec<T>,
     /// What couples several chains in any lane, ascending.
     pub cross_couplings: Vec<CrossCoupling>,
     /// Which slot each block of each lane has.
     places: Vec<Vec<usize>>,
+    /// The keys of each lane's blocks, ascending, and [`END`].
     keys: Vec<Vec<Key>>,
+    /// The next key of each lane.
+    next: Vec<Key>,
 }
 
 impl<T: Real> Slots<T> {
     pub fn new() -> Self {
-        let rows = Vec::new;
         Self {
             slots: Vec::new(),
+            rows: Vec::new(),
             columns: Vec::new(),
-            values: rows(),
-            weight: rows(),
-            regularization: rows(),
-            reference: rows(),
-            lower: rows(),
-            upper: rows(),
-            force: rows(),
+            values: Vec::new(),
             cross_couplings: Vec::new(),
             places: vec![Vec::new(); T::LANES],
             keys: vec![Vec::new(); T::LANES],
+            next: vec![END; T::LANES],
         }
-    }
-
-    pub fn rows(&self) -> usize {
-        self.weight.len()
     }
 
     /// Gathers the rows of the lanes for which `takes_part` holds.
     pub fn gather(&mut self, lanes: &[ConstraintState], takes_part: &[bool]) {
         self.slots.clear();
+        self.rows.clear();
         self.columns.clear();
+        self.values.clear();
         self.cross_couplings.clear();
-        let arrays = [
-            &mut self.values,
-            &mut self.weight,
-            &mut self.regularization,
-            &mut self.reference,
-            &mut self.lower,
-            &mut self.upper,
-            &mut self.force,
-        ];
-        arrays.into_iter().for_each(Vec::clear);
-        for ((own, takes_part), (keys, places)) in lanes.iter().zip(takes_part).zip(self.keys.iter_mut().zip(&mut self.places)) {
+        for (lane, (own, takes_part)) in lanes.iter().zip(takes_part).enumerate() {
+            let keys = &mut self.keys[lane];
             keys.clear();
-            places.clear();
+            self.places[lane].clear();
             if *takes_part {
                 keys_of(&own.constraints, keys);
                 for coupling in &own.constraints.cross_couplings {
@@ -99,66 +104,72 @@ impl<T: Real> Slots<T> {
                     }
                 }
             }
+            keys.push(END);
+            self.next[lane] = keys[0];
         }
         self.cross_couplings.sort_unstable();
         // Every lane's keys ascend: the least of the next ones is the next slot.
-        while let Some(key) =
-            self.keys.iter().zip(&self.places).filter_map(|(keys, places)| keys.get(places.len())).min().copied()
-        {
+        loop {
+            let key = self.next.iter().fold(END, |least, key| if *key < least { *key } else { least });
+            if key == END {
+                return;
+            }
             let slot = self.slots.len();
-            for (lane, own) in lanes.iter().enumerate() {
-                let place = self.places[lane].len();
-                if self.keys[lane].get(place) == Some(&key) {
-                    let block = &own.constraints.jacobian.blocks[place];
-                    if self.slots.len() == slot {
-                        self.open(&own.constraints, block);
-                    }
-                    self.fill(&own.constraints, block, slot, lane);
-                    self.places[lane].push(slot);
+            for (lane, own) in lanes.iter().enumerate().take(T::LANES) {
+                if self.next[lane] != key {
+                    continue;
                 }
+                let place = self.places[lane].len();
+                let block = &own.constraints.jacobian.blocks[place];
+                if self.slots.len() == slot {
+                    self.open(&own.constraints, block);
+                }
+                self.fill(&own.constraints, block, slot, lane);
+                self.places[lane].push(slot);
+                self.next[lane] = self.keys[lane][place + 1];
             }
         }
     }
 
     /// Appends a slot like `block`, empty in every lane.
     fn open(&mut self, constraints: &Constraints, block: &Block) {
-        let (columns, row, values) = (self.columns.len(), self.weight.len(), self.values.len());
+        let (columns, row, values, zero) = (self.columns.len(), self.rows.len(), self.values.len(), T::splat(0.0));
         self.columns.extend_from_slice(constraints.jacobian.columns_of(block));
         let width = self.columns.len() - columns;
         let rows = row..row + block.rows.len();
-        self.values.resize(values + width * block.dimension, T::splat(0.0));
-        let arrays =
-            [&mut self.weight, &mut self.regularization, &mut self.reference, &mut self.lower, &mut self.upper, &mut self.force];
-        arrays.into_iter().for_each(|array| array.resize(rows.end, T::splat(0.0)));
+        self.values.resize(values + width * block.dimension, zero);
+        let empty = Row { weight: zero, regularization: zero, reference: zero, lower: zero, upper: zero, force: zero };
+        self.rows.resize(rows.end, empty);
         self.slots.push(Slot {
             rows,
             columns: columns..self.columns.len(),
             values,
             dimension: block.dimension,
             pyramid: block.shape == Shape::Pyramid,
-            friction: [T::splat(0.0); 5],
+            friction: [zero; 5],
         });
     }
 
     /// Writes a lane's block into its slot.
     fn fill(&mut self, constraints: &Constraints, block: &Block, slot: usize, lane: usize) {
-        let friction = &mut self.slots[slot].friction;
-        friction.iter_mut().zip(block.friction).for_each(|(to, from)| to.set_lane(lane, from));
-        let Slot { rows, columns, values, dimension, .. } = &self.slots[slot];
+        let Slot { rows, columns, values, dimension, pyramid, friction } = &mut self.slots[slot];
+        if *pyramid {
+            friction.iter_mut().zip(block.friction).for_each(|(to, from)| to.set_lane(lane, from));
+        }
         let width = columns.len();
         for row in 0..*dimension {
-            let to = &mut self.values[values + row * width..][..width];
+            let to = &mut self.values[*values + row * width..][..width];
             for (to, from) in to.iter_mut().zip(constraints.jacobian.base_row(block, row)) {
                 to.set_lane(lane, *from);
             }
         }
         let from = &constraints.rows;
-        for (to, row) in rows.clone().zip(block.rows.clone()) {
-            self.weight[to].set_lane(lane, from.weight[row]);
-            self.regularization[to].set_lane(lane, from.regularization[row]);
-            self.reference[to].set_lane(lane, from.reference[row]);
-            self.lower[to].set_lane(lane, from.lower[row]);
-            self.upper[to].set_lane(lane, from.upper[row]);
+        for (to, row) in self.rows[rows.clone()].iter_mut().zip(block.rows.clone()) {
+            to.weight.set_lane(lane, from.weight[row]);
+            to.regularization.set_lane(lane, from.regularization[row]);
+            to.reference.set_lane(lane, from.reference[row]);
+            to.lower.set_lane(lane, from.lower[row]);
+            to.upper.set_lane(lane, from.upper[row]);
         }
     }
 
@@ -166,7 +177,7 @@ impl<T: Real> Slots<T> {
     pub fn scatter_forces(&self, constraints: &mut Constraints, lane: usize) {
         for (block, &slot) in constraints.jacobian.blocks.iter().zip(&self.places[lane]) {
             for (row, from) in block.rows.clone().zip(self.slots[slot].rows.clone()) {
-                constraints.rows.force[row] = self.force[from].lane(lane);
+                constraints.rows.force[row] = self.rows[from].force.lane(lane);
             }
         }
     }
@@ -209,15 +220,15 @@ impl<T: Real> Slots<T> {
     #[inline(always)]
     pub fn add_transposed(&self, out: &mut [T]) {
         for slot in &self.slots {
-            let rows = &self.force[slot.rows.clone()];
+            let rows = &self.rows[slot.rows.clone()];
             let mut base = [T::splat(0.0); MOST_BASE_ROWS];
             if slot.pyramid {
                 for (index, edges) in rows.chunks_exact(2).enumerate() {
-                    base[0] += edges[0] + edges[1];
-                    base[index + 1] = slot.friction[index] * (edges[0] - edges[1]);
+                    base[0] += edges[0].force + edges[1].force;
+                    base[index + 1] = slot.friction[index] * (edges[0].force - edges[1].force);
                 }
             } else {
-                base[..slot.dimension].copy_from_slice(rows);
+                base.iter_mut().zip(rows).for_each(|(base, row)| *base = row.force);
             }
             for (row, &force) in base[..slot.dimension].iter().enumerate() {
                 for (value, &dof) in self.base_row(slot, row).iter().zip(self.columns_of(slot)) {
@@ -273,20 +284,22 @@ fn along<T: Real>(row: &[T], columns: &[usize], x: &[T]) -> T {
     sum
 }
 
-/// The keys of a lane's blocks, ascending.
+/// Appends the keys of a lane's blocks, ascending.
 fn keys_of(constraints: &Constraints, keys: &mut Vec<Key>) {
+    // A model has fewer than 2^40 elements of a kind, and a pair of shapes fewer than 2^16 contacts.
+    let key = |class: Key, element: usize, number: Key| class << 56 | (element as Key) << 16 | number;
     for block in &constraints.jacobian.blocks {
-        let upper = usize::from(block.upper);
+        let upper = Key::from(block.upper);
         keys.push(match constraints.rows.kind[block.rows.start] {
-            RowKind::Equality(index) => (0, index, 0),
-            RowKind::DofFriction(index) => (1, index, 0),
-            RowKind::TendonFriction(index) => (2, index, 0),
-            RowKind::JointLimit(index) => (3, index, upper),
-            RowKind::TendonLimit(index) => (4, index, upper),
+            RowKind::Equality(index) => key(0, index, 0),
+            RowKind::DofFriction(index) => key(1, index, 0),
+            RowKind::TendonFriction(index) => key(2, index, 0),
+            RowKind::JointLimit(index) => key(3, index, upper),
+            RowKind::TendonLimit(index) => key(4, index, upper),
             RowKind::Contact(index) => {
-                let pair = constraints.contacts[index].candidate;
-                let before = keys.last().filter(|(class, element, _)| (*class, *element) == (5, pair));
-                (5, pair, before.map_or(0, |(_, _, number)| number + 1))
+                let first = key(5, constraints.contacts[index].candidate, 0);
+                // Contacts of one pair follow each other.
+                keys.last().map_or(first, |last| if last >> 16 == first >> 16 { last + 1 } else { first })
             }
         });
     }

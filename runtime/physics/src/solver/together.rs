@@ -107,7 +107,7 @@ impl<T: Real> Together<T> {
     /// Solves for the lanes of the mask, after [`gather`](Self::gather). Returns the lanes that have been solved.
     #[inline(always)]
     pub fn solve(&mut self, model: &Model, problem: &Problem<'_, T>, wanted: T::Mask) -> T::Mask {
-        let rows = self.slots.rows();
+        let rows = self.slots.rows.len();
         for array in [&mut self.residual, &mut self.search_rate, &mut self.active, &mut self.factored] {
             array.clear();
             array.resize(rows, T::splat(0.0));
@@ -119,9 +119,9 @@ impl<T: Real> Together<T> {
         self.acceleration.copy_from_slice(problem.warm_start);
         inertia::multiply(model, problem.mass, &self.acceleration, &mut self.momentum);
         self.slots.multiply(&self.acceleration, &mut self.residual);
-        for (residual, reference) in self.residual.iter_mut().zip(&self.slots.reference) {
+        for (residual, row) in self.residual.iter_mut().zip(&self.slots.rows) {
             T::apart();
-            *residual -= *reference;
+            *residual -= row.reference;
         }
         let trace = model.dofs.row.iter().map(|row| problem.mass[row.end - 1]).fold(T::splat(-0.0), |sum, entry| sum + entry);
         let scale = T::splat(1.0) / trace.at_least(T::splat(1e-15));
@@ -171,19 +171,13 @@ impl<T: Real> Together<T> {
         self.acceleration.iter().fold(sound, |sound, value| T::and(sound, valid(*value)))
     }
 
-    /// A row's force at a residual J a - a_ref.
-    #[inline(always)]
-    fn row_force(&self, row: usize, residual: T) -> T {
-        (-self.slots.weight[row] * residual).at_least(self.slots.lower[row]).at_most(self.slots.upper[row])
-    }
-
     #[inline(always)]
     fn constraint_cost(&self) -> T {
         let mut sum = T::splat(-0.0);
-        for (row, &residual) in self.residual.iter().enumerate() {
+        for (row, &residual) in self.slots.rows.iter().zip(&self.residual) {
             T::apart();
-            let force = self.row_force(row, residual);
-            sum += -force * (residual + T::splat(0.5) * force * self.slots.regularization[row]);
+            let force = row.force_at(residual);
+            sum += -force * (residual + T::splat(0.5) * force * row.regularization);
         }
         sum
     }
@@ -191,12 +185,12 @@ impl<T: Real> Together<T> {
     #[inline(always)]
     fn update_forces_and_gradient(&mut self, problem: &Problem<'_, T>) {
         let zero = T::splat(0.0);
-        for row in 0..self.residual.len() {
+        for ((row, &residual), active) in self.slots.rows.iter_mut().zip(&self.residual).zip(&mut self.active) {
             T::apart();
-            let force = self.row_force(row, self.residual[row]);
-            let inside = T::and(self.slots.lower[row].less(force), force.less(self.slots.upper[row]));
-            self.slots.force[row] = force;
-            self.active[row] = T::select(inside, self.slots.weight[row], zero);
+            let force = row.force_at(residual);
+            let inside = T::and(row.lower.less(force), force.less(row.upper));
+            row.force = force;
+            *active = T::select(inside, row.weight, zero);
         }
         self.constraint_force.fill(zero);
         self.slots.add_transposed(&mut self.constraint_force);
@@ -269,14 +263,12 @@ impl<T: Real> Together<T> {
     fn derivatives(&self, [slope, curvature]: [T; 2], step: T) -> [T; 2] {
         let zero = T::splat(0.0);
         let (mut rise, mut bend) = (slope + step * curvature, curvature);
-        let Slots { weight, lower, upper, .. } = &self.slots;
-        let rows = self.residual.iter().zip(&self.search_rate).zip(weight).zip(lower.iter().zip(upper));
-        for (((residual, rate), weight), (lower, upper)) in rows {
+        for ((row, residual), rate) in self.slots.rows.iter().zip(&self.residual).zip(&self.search_rate) {
             T::apart();
-            let free = -*weight * (*residual + step * *rate);
-            rise -= free.at_least(*lower).at_most(*upper) * *rate;
-            let inside = T::and(lower.less(free), free.less(*upper));
-            bend += T::select(inside, *weight * *rate * *rate, zero);
+            let free = -row.weight * (*residual + step * *rate);
+            rise -= free.at_least(row.lower).at_most(row.upper) * *rate;
+            let inside = T::and(row.lower.less(free), free.less(row.upper));
+            bend += T::select(inside, row.weight * *rate * *rate, zero);
         }
         [rise, bend]
     }
