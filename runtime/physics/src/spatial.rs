@@ -140,20 +140,22 @@ impl<T: Real> SpatialInertia<T> {
     #[inline(always)]
     pub fn of_body(mass: T, inertia: &Vector3<T>, axes: &Matrix3<T>, offset: &Vector3<T>) -> Self {
         // R diag(I) R' + m (|d|² 1 - d d')
-        let entry = |i: usize, j: usize| {
+        // A function, because closures are not compiled for the instructions in use.
+        #[inline(always)]
+        fn entry<T: Real>(axes: &Matrix3<T>, inertia: &Vector3<T>, i: usize, j: usize) -> T {
             axes[(i, 0)] * inertia.x * axes[(j, 0)]
                 + axes[(i, 1)] * inertia.y * axes[(j, 1)]
                 + axes[(i, 2)] * inertia.z * axes[(j, 2)]
-        };
+        }
         let d = offset;
         Self {
             rotational: [
-                entry(0, 0) + mass * (d.y * d.y + d.z * d.z),
-                entry(1, 1) + mass * (d.x * d.x + d.z * d.z),
-                entry(2, 2) + mass * (d.x * d.x + d.y * d.y),
-                entry(0, 1) - mass * d.x * d.y,
-                entry(0, 2) - mass * d.x * d.z,
-                entry(1, 2) - mass * d.y * d.z,
+                entry(axes, inertia, 0, 0) + mass * (d.y * d.y + d.z * d.z),
+                entry(axes, inertia, 1, 1) + mass * (d.x * d.x + d.z * d.z),
+                entry(axes, inertia, 2, 2) + mass * (d.x * d.x + d.y * d.y),
+                entry(axes, inertia, 0, 1) - mass * d.x * d.y,
+                entry(axes, inertia, 0, 2) - mass * d.x * d.z,
+                entry(axes, inertia, 1, 2) - mass * d.y * d.z,
             ],
             first_moment: scale(d, mass),
             mass,

@@ -83,7 +83,11 @@ impl Layout<'_> {
         }
         let chain: [&[T]; N] = core::array::from_fn(|k| &rows[k][..common]);
         for (place, &ancestor) in self.ancestors(first).iter().enumerate() {
-            let weights: [T; N] = core::array::from_fn(|k| chain[k][place] * inverses[k]);
+            // A loop, because `core::array::from_fn` is a call that is not compiled for the instructions in use.
+            let mut weights = inverses;
+            for k in 0..N {
+                weights[k] *= chain[k][place];
+            }
             let start = self.row[ancestor].start;
             subtract(&mut above[start..=start + place], chain.map(|entries| &entries[..=place]), weights);
         }
