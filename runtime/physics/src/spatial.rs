@@ -37,8 +37,8 @@ pub fn lane_of<T: Real>(v: &Vector3<T>, lane: usize) -> Vector3<f64> {
 /// A matrix as it is in one lane.
 #[inline(always)]
 pub fn matrix_of<T: Real>(m: &Matrix3<T>, lane: usize) -> Matrix3<f64> {
-    // By reference: the numbers of the other lanes are not copied.
-    Matrix3::from_fn(|row, column| m[(row, column)].lane(lane))
+    let at = |row: usize, column: usize| m[(row, column)].lane(lane);
+    Matrix3::new(at(0, 0), at(0, 1), at(0, 2), at(1, 0), at(1, 1), at(1, 2), at(2, 0), at(2, 1), at(2, 2))
 }
 
 /// a . b

@@ -13,25 +13,33 @@ pub(super) fn add<T: Real>(pattern: &PathPattern, matrix: &mut [T], columns: &[u
     for (place, &dof) in columns.iter().enumerate() {
         let target = &mut matrix[pattern.row[dof].clone()];
         let before = if whole_path { Before::All } else { Before::Some(pattern, &columns[..=place]) };
-        let pull = |row: usize| {
-            let weights = weight[row].iter().zip(base);
-            weights.fold(T::splat(-0.0), |sum, (weight, values)| sum + *weight * values[place])
-        };
         match base {
             // A contact with friction: one load and store for three products.
             [a, b, c] => {
-                let [p, q, r] = [pull(0), pull(1), pull(2)];
+                let p = pull(&weight[0], base, place);
+                let q = pull(&weight[1], base, place);
+                let r = pull(&weight[2], base, place);
                 let values = a.iter().zip(*b).zip(*c);
                 before.each(target, values, |entry, ((a, b), c)| *entry = *entry + p * *a + q * *b + r * *c);
             }
             _ => {
                 for (row, values) in base.iter().enumerate() {
-                    let pull = pull(row);
+                    let pull = pull(&weight[row], base, place);
                     before.each(target, values.iter(), |entry, value| *entry += pull * *value);
                 }
             }
         }
     }
+}
+
+/// A row of W times J, in one column.
+#[inline(always)]
+fn pull<T: Real>(weights: &[T; MOST_BASE_ROWS], base: &[&[T]], place: usize) -> T {
+    let mut sum = T::splat(-0.0);
+    for (weight, values) in weights.iter().zip(base) {
+        sum += *weight * values[place];
+    }
+    sum
 }
 
 /// The entries of a row up to its diagonal.

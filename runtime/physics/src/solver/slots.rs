@@ -164,12 +164,14 @@ impl<T: Real> Slots<T> {
             }
         }
         let from = &constraints.rows;
-        for (to, row) in self.rows[rows.clone()].iter_mut().zip(block.rows.clone()) {
-            to.weight.set_lane(lane, from.weight[row]);
-            to.regularization.set_lane(lane, from.regularization[row]);
-            to.reference.set_lane(lane, from.reference[row]);
-            to.lower.set_lane(lane, from.lower[row]);
-            to.upper.set_lane(lane, from.upper[row]);
+        let [weight, regularization, reference, lower, upper] =
+            [&from.weight, &from.regularization, &from.reference, &from.lower, &from.upper].map(|all| &all[block.rows.clone()]);
+        for (row, to) in self.rows[rows.clone()].iter_mut().enumerate() {
+            to.weight.set_lane(lane, weight[row]);
+            to.regularization.set_lane(lane, regularization[row]);
+            to.reference.set_lane(lane, reference[row]);
+            to.lower.set_lane(lane, lower[row]);
+            to.upper.set_lane(lane, upper[row]);
         }
     }
 

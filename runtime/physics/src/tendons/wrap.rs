@@ -67,8 +67,8 @@ struct PlanarBend<T: Real> {
 /// How the path from `start` to `end` (world, m) bends at `obstacle`; `None` if it is straight in every lane.
 #[inline(always)]
 pub fn bend<T: Real>(start: &Vector3<T>, end: &Vector3<T>, obstacle: &WrappingSurface<T>) -> Option<WrapPath<T>> {
-    let to_local = |point: &Vector3<T>| rotate_back(&obstacle.rotation, &(point - obstacle.position));
-    let (start, end) = (to_local(start), to_local(end));
+    let start = rotate_back(&obstacle.rotation, &(start - obstacle.position));
+    let end = rotate_back(&obstacle.rotation, &(end - obstacle.position));
     let [x, y] = plane(obstacle.shape, &start, &end);
     let flat = |v: &Vector3<T>| [dot(v, &x), dot(v, &y)];
     let (a, b) = (flat(&start), flat(&end));
@@ -87,8 +87,9 @@ pub fn bend<T: Real>(start: &Vector3<T>, end: &Vector3<T>, obstacle: &WrappingSu
         let height = second.z - first.z;
         arc = (arc * arc + height * height).sqrt();
     }
-    let to_world = |point: &Vector3<T>| rotate(&obstacle.rotation, point) + obstacle.position;
-    Some(WrapPath { touches: planar.touches, first: to_world(&first), second: to_world(&second), arc })
+    let first = rotate(&obstacle.rotation, &first) + obstacle.position;
+    let second = rotate(&obstacle.rotation, &second) + obstacle.position;
+    Some(WrapPath { touches: planar.touches, first, second, arc })
 }
 
 /// Axes of the wrapping plane in the obstacle's frame.
@@ -110,7 +111,11 @@ fn plane<T: Real>(shape: WrapShape, start: &Vector3<T>, end: &Vector3<T>) -> [Ve
         Vector3::new(T::select(first, zero, one), T::select(second, zero, one), T::select(T::or(first, second), one, zero));
     let fallback = cross(&x, &other);
     let aligned = norm(&normal).less(tiny);
-    let normal = Vector3::from_fn(|row, _| T::select(aligned, fallback[row], normal[row]));
+    let normal = Vector3::new(
+        T::select(aligned, fallback.x, normal.x),
+        T::select(aligned, fallback.y, normal.y),
+        T::select(aligned, fallback.z, normal.z),
+    );
     let y = cross(&normal, &x);
     [x, scale(&y, one / norm(&y).at_least(tiny))]
 }
