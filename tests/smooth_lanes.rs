@@ -78,7 +78,7 @@ impl Real for Pair {
     fn splat(value: f64) -> Self {
         Self([value; 2])
     }
-    fn lane(self, index: usize) -> f64 {
+    fn lane(&self, index: usize) -> f64 {
         self.0[index]
     }
     fn set_lane(&mut self, index: usize, value: f64) {

@@ -2,9 +2,10 @@
 
 use super::{
     Plan, Workspace,
+    collision::NearPairs,
     constraint::Constraints,
-    dispatch::{Stage, run},
     fault::{Fault, Quantity, is_valid},
+    kinematics::Kinematics,
     rotation::MINIMUM,
     smooth::unconstrained,
     solver::{
@@ -56,8 +57,8 @@ fn gather<T: Real>(to: &mut Vec<f64>, from: &[T], lane: usize) {
 }
 
 /// Detects the contacts of all lanes. Needs positions.
-pub fn contacts<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
-    run(Stage::Near, model, state, workspace);
+pub fn contacts<T: Real>(model: &Model, workspace: &mut Workspace<T>) {
+    workspace.arch.dispatch(FindNear { model, kinematics: &workspace.kinematics, near: &mut workspace.near });
     each_lane(workspace, |workspace, own, lane| own.constraints.detect(model, workspace, lane));
 }
 
@@ -177,6 +178,22 @@ fn fault_of<T: Real>(
         return Some(Fault::of_dof(model, time, Quantity::Acceleration, dof, value));
     }
     outcome.err().map(|dof| Fault::of_pivot(model, time, dof))
+}
+
+/// The search for near pairs, compiled for each set of instructions.
+struct FindNear<'a, T: Real> {
+    model: &'a Model,
+    kinematics: &'a Kinematics<T>,
+    near: &'a mut NearPairs<T>,
+}
+
+impl<T: Real> WithSimd for FindNear<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.near.update(self.model, self.kinematics);
+    }
 }
 
 /// One solve, compiled for each set of instructions.

@@ -75,8 +75,6 @@ impl<W: LaneWork> WithSimd for Inlined<W> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Stage {
     Kinematics,
-    /// The pairs of geoms that are near.
-    Near,
     Inertia,
     Tendons,
     Velocities,
@@ -104,7 +102,6 @@ impl<T: Real> WithSimd for Run<'_, T> {
         let Self { stage, model, state, workspace } = self;
         match stage {
             Stage::Kinematics => kinematics::update_lanes(model, state, &mut workspace.kinematics),
-            Stage::Near => workspace.near.update(model, &workspace.kinematics),
             Stage::Inertia => inertia::update(model, state, &workspace.kinematics, &mut workspace.inertia),
             Stage::Tendons => tendons::update(state, &workspace.kinematics, &mut workspace.tendons),
             Stage::Velocities => smooth::velocity_stage(model, state, workspace),

@@ -44,7 +44,7 @@ pub fn forward_by_stage<T: Real>(
     lap();
     run(Stage::Tendons, model, state, workspace);
     lap();
-    constrained::contacts(model, state, workspace);
+    constrained::contacts(model, workspace);
     lap();
     forward_velocity(model, state, workspace);
     lap();
@@ -69,7 +69,7 @@ pub fn motion<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspac
     check(model, state, workspace);
     workspace.outcome()?;
     run(Stage::Kinematics, model, state, workspace);
-    constrained::contacts(model, state, workspace);
+    constrained::contacts(model, workspace);
     velocities::update(model, state, &workspace.kinematics, &mut workspace.velocities);
     Ok(())
 }
