@@ -1,4 +1,4 @@
-//! Steps per second of CPU time and microseconds per stage, one episode at a time.
+//! Steps per second of CPU time, microseconds per stage, and sizes of the constraint problem, one episode at a time.
 //!
 //! `cargo run --release -p msk-physics --example speed -- [model.xml] [falling|standing] [seconds] [baseline|wide|widest]`
 //!
@@ -10,7 +10,8 @@ mod protocol;
 use msk_physics::model::Model;
 use msk_physics::scalar::Real;
 use msk_physics::{STAGES, Workspace, step_by_stage};
-use protocol::{Random, cpu_seconds, duration, initial_state, instructions};
+use protocol::{Random, cpu_seconds, duration, initial_state, instructions, spread};
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -25,7 +26,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let duration = duration(standing);
     let mut state = origin.clone();
     let mut random = Random(1);
-    let (mut steps, mut iterations, mut stages) = (0, 0, [0.0; STAGES.len()]);
+    let (mut steps, mut stages) = (0, [0.0; STAGES.len()]);
+    let [mut iterations, mut rows, mut contacts] = [const { Vec::new() }; 3];
+    // Steps and seconds by tens of rows.
+    let mut by_rows = BTreeMap::<usize, (f64, f64)>::new();
     let (begin, deadline) = (cpu_seconds(), Instant::now());
     while deadline.elapsed().as_secs_f64() < seconds {
         if state.time >= duration {
@@ -33,7 +37,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         state.control.fill_with(|| random.unit());
         for _ in 0..10 {
-            let (mut clock, mut stage) = (Instant::now(), stages.iter_mut());
+            let began = Instant::now();
+            let (mut clock, mut stage) = (began, stages.iter_mut());
             step_by_stage(&model, &mut state, &mut workspace, &mut || {
                 let now = Instant::now();
                 if let Some(time) = stage.next() {
@@ -42,18 +47,29 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 clock = now;
             })?;
             steps += 1;
-            iterations += workspace.lanes[0].newton.iterations;
+            let own = &workspace.lanes[0];
+            iterations.push(own.newton.iterations);
+            rows.push(own.constraints.rows.len());
+            contacts.push(own.constraints.contacts.len());
+            let (count, time) = by_rows.entry(own.constraints.rows.len() / 10 * 10).or_default();
+            *count += 1.0;
+            *time += began.elapsed().as_secs_f64();
         }
     }
     let elapsed = cpu_seconds() - begin;
     let count = f64::from(steps).at_least(1.0);
     let times: Vec<String> =
         STAGES.iter().zip(stages).map(|(name, time)| format!("\"{name}\": {:.1}", time * 1e6 / count)).collect();
+    let by_rows = by_rows.iter().filter(|(_, (count, _))| *count >= 20.0);
+    let by_rows: Vec<String> = by_rows.map(|(rows, (count, time))| format!("\"{rows}\": {:.1}", time * 1e6 / count)).collect();
     println!(
-        "{{\"steps\": {steps}, \"steps_per_second\": {:.0}, \"iterations\": {:.2}, \"us_per_stage\": {{{}}}}}",
+        "{{\"steps\": {steps}, \"steps_per_second\": {:.0}, \"iterations\": {}, \"rows\": {}, \"contacts\": {}, \"us_per_stage\": {{{}}}, \"us_by_rows\": {{{}}}}}",
         f64::from(steps) / elapsed.at_least(1e-9),
-        iterations as f64 / count,
-        times.join(", ")
+        spread(iterations),
+        spread(rows),
+        spread(contacts),
+        times.join(", "),
+        by_rows.join(", ")
     );
     Ok(())
 }

@@ -1,6 +1,8 @@
-//! The protocols of the examples `speed` and `together`, and how their time is measured.
+//! The protocols of the examples `speed`, `together` and `operations`, and how their time is measured.
+#![allow(dead_code, reason = "each of them uses a part")]
 
 use msk_physics::model::{JointKind, Model};
+use msk_physics::scalar::Real;
 use msk_physics::{Fault, Instructions, State, Workspace, motion};
 
 /// The instructions that an argument names.
@@ -40,6 +42,14 @@ pub fn initial_state(model: &Model, standing: bool) -> Result<State<f64>, Fault>
         if touches { low = middle } else { high = middle }
     }
     Ok(state)
+}
+
+/// Mean and 95th percentile as JSON.
+pub fn spread(mut values: Vec<usize>) -> String {
+    values.sort_unstable();
+    let mean = values.iter().sum::<usize>() as f64 / (values.len() as f64).at_least(1.0);
+    let high = values.get(values.len() * 95 / 100).copied().unwrap_or_default();
+    format!("{{\"mean\": {mean:.2}, \"p95\": {high}}}")
 }
 
 /// SplitMix64.

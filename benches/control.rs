@@ -1,0 +1,115 @@
+//! What a control step spends on computed muscle control and on physics, and what snapshots and resets cost.
+//!
+//!     cargo bench --bench control
+//!
+//! Eight episodes of a task in the lanes of one worker under the policy `cmc`, and one alone. CPU time per episode and control step, where
+//! the system tells it: medians of the rounds.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a program for whoever measures")]
+
+use msk::compiler::compile;
+use msk::runtime::episode::{Controlled, Engine, Environment, EpisodeKey, Member};
+use msk::runtime::library::{BodyLibrary, FileLoader};
+use msk::runtime::policy::{Policy, create};
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+const STEPS: usize = 100;
+const ROUNDS: usize = 7;
+
+fn main() {
+    println!("{:<10} {:>9} {:>15} {:>15}", "task", "episodes", "controller, us", "rest, us");
+    for name in ["stand", "squat", "walk"] {
+        let engine = engine(name);
+        for episodes in [1, 8] {
+            let rounds: Vec<[f64; 2]> = (0..ROUNDS).map(|_| play(&engine, episodes)).collect();
+            let [control, rest] = [0, 1].map(|part| median(rounds.iter().map(|round| round[part])));
+            println!("{name:<10} {episodes:>9} {control:>15.1} {rest:>15.1}");
+        }
+    }
+    let mut environment = Environment::of(engine("walk"));
+    environment.reset(EpisodeKey::default());
+    let kept = environment.snapshot();
+    let of = |work: &mut dyn FnMut(u64)| {
+        median((0..ROUNDS).map(|round| {
+            let start = seconds();
+            (0..20).for_each(|index| work(20 * round as u64 + index));
+            (seconds() - start) * 1e6 / 20.0
+        }))
+    };
+    let snapshot = of(&mut |_| drop(black_box(environment.snapshot())));
+    let restore = of(&mut |_| environment.restore(black_box(&kept)));
+    let reset = of(&mut |episode| environment.reset(EpisodeKey { seed: 1, episode }));
+    println!("\nwalk: snapshot {snapshot:.1} us, restore {restore:.1} us, reset {reset:.0} us");
+}
+
+fn engine(task: &str) -> Engine {
+    let bodies = BodyLibrary::default();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tasks.msk");
+    let compilation = compile(&file, &FileLoader, &bodies).unwrap();
+    let task = compilation.tasks.iter().find(|known| known.name == task).unwrap().clone();
+    let stage = bodies.stage(&task.body, &task.scene).unwrap();
+    Engine::new(stage.model, stage.body, task).unwrap()
+}
+
+/// Microseconds per episode and control step: of the controller, and of all else. Episodes that end are left out from there on.
+fn play(engine: &Engine, count: usize) -> [f64; 2] {
+    let mut scratch = engine.group_scratch(count);
+    let weights = engine.task().weights();
+    let mut policies: Vec<Box<dyn Policy>> = (0..count).map(|_| create("cmc").unwrap()).collect();
+    let mut episodes: Vec<_> = (0..count).map(|_| engine.episode()).collect();
+    let mut rates = Vec::new();
+    for (lane, episode) in episodes.iter_mut().enumerate() {
+        let key = EpisodeKey { seed: 1, episode: lane as u64 };
+        rates.push(scratch.begin(lane, engine, (key, &[]), episode));
+        policies[lane].reset(&engine.context(episode, &weights, scratch.lane(lane))).unwrap();
+    }
+    let mut actions: Vec<_> = policies.iter().map(|policy| engine.action(policy.acts_on())).collect();
+    let (mut control, mut rest, mut taken) = (0.0, 0.0, 0.0);
+    for _ in 0..STEPS {
+        let start = seconds();
+        let mut controlled: Vec<Controlled<'_>> = policies
+            .iter_mut()
+            .zip(&episodes)
+            .zip(&mut actions)
+            .enumerate()
+            .filter(|(_, ((_, episode), _))| episode.ending().is_none())
+            .map(|(lane, ((policy, episode), action))| Controlled {
+                lane,
+                engine,
+                episode,
+                weights: &weights,
+                controls: policy.controls().unwrap(),
+                entries: &[],
+                action: &mut action.entries,
+            })
+            .collect();
+        let count = controlled.len();
+        scratch.control(&mut controlled).into_iter().for_each(|acted| acted.unwrap());
+        let middle = seconds();
+        scratch.step(episodes.iter_mut().zip(&mut rates).zip(&actions).map(|((episode, rates), action)| {
+            let goes_on = episode.ending().is_none();
+            goes_on.then(|| Member { engine, episode, rates, weights: &weights, action: action.into() })
+        }));
+        control += middle - start;
+        rest += seconds() - middle;
+        taken += count as f64;
+    }
+    [control, rest].map(|time| time * 1e6 / taken)
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Seconds for which this thread has had a processor; without a system that tells it, those since the first call.
+fn seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanoseconds: Option<f64> = text.split_whitespace().next().and_then(|word| word.parse().ok());
+    let passed = || Instant::now().duration_since(*START.get_or_init(Instant::now)).as_secs_f64();
+    nanoseconds.map_or_else(passed, |count| 1e-9 * count)
+}
+
+static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
