@@ -2,8 +2,8 @@
 //!
 //!     cargo bench --bench control
 //!
-//! Eight episodes of a task in the lanes of one worker under the policy `cmc`, and one alone. CPU time per episode and control step, where
-//! the system tells it: medians of the rounds.
+//! Eight episodes of a task in the lanes of one worker under the policy `cmc`, and one alone. Wall-clock time per episode and control
+//! step, medians of the rounds: for a machine that does nothing else.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a program for whoever measures")]
 
 use msk::compiler::compile;
@@ -12,6 +12,7 @@ use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::policy::{Policy, create};
 use std::hint::black_box;
 use std::path::Path;
+use std::sync::OnceLock;
 use std::time::Instant;
 
 const STEPS: usize = 100;
@@ -104,12 +105,8 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Seconds for which this thread has had a processor; without a system that tells it, those since the first call.
+/// Seconds since the first call: a control step is shorter than what systems count CPU time by.
 fn seconds() -> f64 {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds: Option<f64> = text.split_whitespace().next().and_then(|word| word.parse().ok());
-    let passed = || Instant::now().duration_since(*START.get_or_init(Instant::now)).as_secs_f64();
-    nanoseconds.map_or_else(passed, |count| 1e-9 * count)
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_secs_f64()
 }
-
-static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();

@@ -86,7 +86,7 @@ def many_by_batch(model, protocol, seconds, episodes):
             qpos[ended] = position
             limits[ended] = DURATION[protocol]
         ctrl[:] = random.random(episodes * model.nu).reshape(episodes, -1)
-        batch.step(CHUNK)
+        batch.step(nstep=CHUNK)
         steps += CHUNK * episodes
     return steps / (time.thread_time() - begin)
 
