@@ -4,13 +4,13 @@ use super::{
     Workspace, constrained,
     dispatch::{Stage, run},
     fault::{self, Fault, Input, Quantity, is_valid},
-    integrator::{self, implicit, runge_kutta},
+    integrator,
     smooth::{forward_actuation, forward_velocity},
     state::State,
     velocities,
 };
 use crate::{
-    model::{Integrator, JointKind, Model},
+    model::{JointKind, Model},
     scalar::Real,
 };
 use pulp::{Simd, WithSimd};
@@ -88,11 +88,7 @@ pub fn step<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Worksp
 /// # Errors
 /// As for [`forward`]; `state` is then what it was before.
 pub fn integrate<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
-    match model.options.integrator {
-        Integrator::Euler => integrator::euler(model, state, workspace),
-        Integrator::Implicit => implicit::implicit(model, state, workspace),
-        Integrator::RungeKutta => runge_kutta::runge_kutta(model, state, workspace),
-    }
+    integrator::integrate(model, state, workspace)
 }
 
 /// Finds states and inputs that are not finite; forgets the faults of the last step.

@@ -27,13 +27,12 @@ pub(crate) struct AllocationGroup {
 const LEAST: usize = 3;
 
 impl AllocationGroup {
-    /// Shares out the forces of all that ask, each to the bits that it comes to alone. Those of one hold do so in the lanes of a group, if
-    /// there is one.
-    pub fn allocate(&mut self, group: Option<&mut LaneGroup>, asking: &mut [Asking<'_>]) {
+    /// Shares out the forces of all that ask, each to the bits that it comes to alone. Those of one hold do so in the lanes of a group.
+    pub fn allocate(&mut self, group: &mut LaneGroup, asking: &mut [Asking<'_>]) {
         let hold = asking.first().and_then(|asking| asking.tracker.hold());
         let together = asking.iter().all(|asking| asking.tracker.hold() == hold);
-        match (group, hold) {
-            (Some(group), Some(hold)) if together && asking.len() >= LEAST => {
+        match hold {
+            Some(hold) if together && asking.len() >= LEAST => {
                 for Asking { lane, present, held, .. } in asking.iter_mut().filter(|asking| !*asking.held) {
                     group.hold(*lane, present.state, present.workspace);
                     **held = true;

@@ -164,7 +164,7 @@ fn the_required_force_is_that_of_the_equations_of_motion() {
 #[test]
 fn forces_in_lanes_have_the_bits_of_forces_alone() {
     let mut stand = Stand::new();
-    let mut group = LaneGroup::of(&Arc::new(stand.model.clone()), &Plan::new(&stand.model)).unwrap();
+    let mut group = LaneGroup::of(&Arc::new(stand.model.clone()), &Plan::new(&stand.model));
     let mut stands = Vec::new();
     for lane in (0..8).filter(|lane| ![1, 6].contains(lane)) {
         for step in 0..4 * lane {

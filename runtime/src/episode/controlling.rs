@@ -43,7 +43,7 @@ impl GroupScratch {
             let Controlled { lane, engine, episode, controls, .. } = member;
             Some(Request { lane: *lane, engine, state: &episode.state, tracker: controls.tracker_mut()? })
         });
-        allocate(forces, group.as_mut(), lanes, asking);
+        allocate(forces, group, lanes, asking);
         let finish = |(member, taken): (&mut Controlled<'_>, Result<Taken, ControlError>)| {
             let taken = taken?;
             let scratch = &mut lanes[member.lane];

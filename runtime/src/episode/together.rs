@@ -12,8 +12,7 @@ use std::sync::Arc;
 /// As with [`Scratch`], nothing in it decides anything: an episode comes to the same bits in any lane, beside any neighbours, or alone.
 #[derive(Debug, Clone)]
 pub struct GroupScratch {
-    /// None for a model whose integrator takes episodes one by one.
-    pub(super) group: Option<LaneGroup>,
+    pub(super) group: LaneGroup,
     /// For controllers of action spaces.
     pub(super) forces: AllocationGroup,
     /// What each lane would need alone: sensors and policies read the forward pass there.
@@ -100,8 +99,7 @@ impl GroupScratch {
     ) -> Option<Rates> {
         let scratch = &mut self.lanes[lane];
         engine.reset_with(key, parameters, episode, scratch);
-        let begun = self.group.is_some() && episode.ending.is_none();
-        begun.then(|| Rates::of(&engine.model, &episode.state, &mut scratch.workspace))
+        episode.ending.is_none().then(|| Rates::of(&engine.model, &episode.state, &mut scratch.workspace))
     }
 
     /// Takes one control step with each of the members, in the lanes of their places. Members are of engines that
@@ -116,19 +114,14 @@ impl GroupScratch {
         let taken = members.into_iter().take(self.lanes.len()).enumerate().filter_map(seat);
         seats.iter_mut().zip(taken).for_each(|(place, seat)| *place = Some(seat));
         let count = seats.iter().flatten().count();
-        match &mut self.group {
-            Some(group) if count >= group.least() => {
-                let own = seats.iter().flatten().map(|seat| seat.member.engine.parts).reduce(Parts::or);
-                let parts = own.filter(|_| !self.whole).unwrap_or(Parts::ALL);
-                let mut together = Together { group, forces: &mut self.forces, lanes: &mut self.lanes, parts };
-                together.step(&mut seats);
-            }
-            _ => {
-                for seat in seats.iter_mut().flatten() {
-                    seat.step_alone(&mut self.lanes[seat.lane]);
-                }
-            }
+        if count < self.group.least() {
+            seats.iter_mut().flatten().for_each(|seat| seat.step_alone(&mut self.lanes[seat.lane]));
+            return;
         }
+        let own = seats.iter().flatten().map(|seat| seat.member.engine.parts).reduce(Parts::or);
+        let parts = own.filter(|_| !self.whole).unwrap_or(Parts::ALL);
+        let Self { group, forces, lanes, .. } = self;
+        Together { group, forces, lanes, parts }.step(&mut seats);
     }
 }
 
@@ -257,7 +250,7 @@ impl Together<'_> {
             let Episode { action, state, .. } = &mut *seat.member.episode;
             Some(Request { lane: seat.lane, engine: seat.member.engine, state, tracker: action.tracker_mut()? })
         });
-        allocate(self.forces, Some(self.group), self.lanes, asking);
+        allocate(self.forces, self.group, self.lanes, asking);
     }
 
     /// Moves forces from outside along with the bodies on which they act.
@@ -307,7 +300,7 @@ pub(super) struct Request<'a> {
 /// Shares out the forces that trackers have asked for, each with the memory of another lane.
 pub(super) fn allocate<'a>(
     forces: &mut AllocationGroup,
-    group: Option<&mut LaneGroup>,
+    group: &mut LaneGroup,
     lanes: &mut [Scratch],
     requests: impl Iterator<Item = Request<'a>>,
 ) {

@@ -8,7 +8,7 @@ use crate::{
     integrator,
     kinematics::Kinematics,
     lanes::{Lanes, WIDTH},
-    model::{Integrator, Model},
+    model::Model,
     smooth, stepping,
 };
 use nalgebra::Vector3;
@@ -98,14 +98,11 @@ impl Rates {
 }
 
 impl LaneGroup {
-    /// Empty lanes; `None` for a model whose integrator takes episodes one by one.
-    pub fn of(model: &Arc<Model>, plan: &Plan) -> Option<Self> {
-        if model.options.integrator != Integrator::Euler {
-            return None;
-        }
+    /// Empty lanes.
+    pub fn of(model: &Arc<Model>, plan: &Plan) -> Self {
         let mut workspace = Workspace::of(model, plan);
         workspace.masked.fill(true);
-        Some(Self { model: Arc::clone(model), state: State::new(model), workspace, faults: Default::default() })
+        Self { model: Arc::clone(model), state: State::new(model), workspace, faults: Default::default() }
     }
 
     /// The same with these instructions of the processor instead of the widest.
@@ -149,10 +146,9 @@ impl LaneGroup {
         smooth::excite(&self.model, &self.state, &mut self.workspace);
     }
 
-    /// Advances all states by one physics step, at the rates of the last forward pass.
+    /// Advances all states by one physics step, at the rates of the last forward pass; faults are noted by lane.
     pub fn integrate(&mut self) {
         self.workspace.faults.fill(None);
-        // Faults are noted by lane.
         let _ = integrator::advance(&self.model, &mut self.state, &mut self.workspace);
         self.note_faults();
     }

@@ -9,8 +9,8 @@ pub(crate) use one_lane::{OneLane, PerLane, one_lane};
 use crate::{
     Fault, Instructions, Plan, State, Workspace,
     lanes::{Lanes, WIDTH},
-    model::{Integrator, Model},
-    single, stepping,
+    model::Model,
+    stepping,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -46,7 +46,8 @@ pub struct Batch {
     count: usize,
     instructions: Instructions,
     groups: Vec<Group>,
-    workers: Vec<Worker>,
+    /// The memory of each worker.
+    workers: Vec<Workspace<Lanes>>,
 }
 
 /// A wrong use of a batch.
@@ -77,14 +78,6 @@ struct Group {
     empty: [bool; WIDTH],
 }
 
-/// The memory of one worker.
-#[derive(Debug, Clone)]
-struct Worker {
-    workspace: Workspace<Lanes>,
-    /// For models whose integrator takes episodes one by one.
-    single: Option<(State<f64>, Workspace<f64>)>,
-}
-
 impl Batch {
     /// `count` episodes in the reference configuration, stepped by one worker.
     pub fn new(model: &Arc<Model>, count: usize) -> Self {
@@ -107,7 +100,7 @@ impl Batch {
     /// The same with as many workers, each with a share of the episodes; they run on rayon's threads.
     pub fn with_workers(mut self, workers: usize) -> Self {
         let workers = workers.clamp(1, self.groups.len().max(1));
-        self.workers = vec![self.worker(); workers];
+        self.workers = vec![Workspace::of(&self.model, &self.plan).with_instructions(self.instructions); workers];
         self
     }
 
@@ -116,15 +109,6 @@ impl Batch {
         self.instructions = instructions;
         let workers = self.workers.len();
         self.with_workers(workers)
-    }
-
-    fn worker(&self) -> Worker {
-        let (model, plan) = (&self.model, &self.plan);
-        let single = || (State::new(model), Workspace::of(model, plan).with_instructions(self.instructions));
-        Worker {
-            workspace: Workspace::of(model, plan).with_instructions(self.instructions),
-            single: (model.options.integrator != Integrator::Euler).then(single),
-        }
     }
 
     /// Number of episodes.
@@ -217,20 +201,7 @@ impl Batch {
 }
 
 impl Group {
-    fn step(&mut self, model: &Model, worker: &mut Worker, lap: &mut impl FnMut()) {
-        if let Some((state, workspace)) = &mut worker.single {
-            for lane in (0..WIDTH).filter(|&lane| !self.empty[lane]) {
-                if self.faults[lane].is_none() {
-                    state.read_lane(&self.state, lane);
-                    match single::step(model, state, workspace) {
-                        Ok(()) => state.write_lane(&mut self.state, lane),
-                        Err(fault) => self.faults[lane] = Some(fault),
-                    }
-                }
-            }
-            return;
-        }
-        let workspace = &mut worker.workspace;
+    fn step(&mut self, model: &Model, workspace: &mut Workspace<Lanes>, lap: &mut impl FnMut()) {
         for (lane, masked) in workspace.masked.iter_mut().enumerate() {
             *masked = self.empty[lane] || self.faults[lane].is_some();
         }

@@ -5,9 +5,9 @@
 //! on different branches is left out. A free body on which no joint hangs is decoupled from the rest; its gyroscopic forces
 //! can make it gain energy, so their slope enters there, and its six equations are solved again, unsymmetric.
 
-use super::{add_joint_damping, advance, total_force};
+use super::{add_joint_damping, total_force};
 use crate::{
-    Fault, Workspace, actuation, inertia,
+    Workspace, actuation, inertia,
     model::{JointKind, Model},
     scalar::Real,
     spatial::{cross, dot, rotate_back, scale},
@@ -46,20 +46,10 @@ pub(crate) fn floating_bodies(model: &Model) -> Arc<[usize]> {
     (1..model.bodies.parent.len()).filter(alone).collect()
 }
 
-/// Advances `state` by one step from the forces in `workspace`.
-///
-/// # Errors
-/// A step that would end beyond all measure; `state` is then what it was before.
-pub fn implicit<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
-    let mut scratch = core::mem::take(&mut workspace.implicit);
-    if let Some(scratch) = &mut scratch {
-        acceleration(model, state, workspace, scratch);
-    }
-    workspace.implicit = scratch;
-    advance(model, state, workspace)
-}
-
-fn acceleration<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>, scratch: &mut Implicit<T>) {
+/// Fills the damped acceleration.
+#[inline(always)]
+pub(super) fn acceleration<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+    let Some(mut scratch) = workspace.implicit.take() else { return };
     let mut matrix = core::mem::take(&mut workspace.inertia.factor);
     matrix.copy_from_slice(&workspace.inertia.matrix);
     add_joint_damping(model, state, &mut matrix);
@@ -89,9 +79,11 @@ fn acceleration<T: Real>(model: &Model, state: &State<T>, workspace: &mut Worksp
         workspace.damped_acceleration[dofs.clone()].copy_from_slice(&scratch.moment[dofs]);
     }
     workspace.inertia.factor = matrix;
+    workspace.implicit = Some(scratch);
 }
 
 /// matrix += weight times moment moment', where the matrix has entries.
+#[inline(always)]
 fn add_outer<T: Real>(model: &Model, moment: &[T], weight: T, matrix: &mut [T]) {
     let zero = T::splat(0.0);
     for (&entry, row) in moment.iter().zip(&model.dofs.row).filter(|(entry, _)| **entry != zero) {
@@ -105,6 +97,7 @@ fn add_outer<T: Real>(model: &Model, moment: &[T], weight: T, matrix: &mut [T]) 
 ///
 /// With w the angular velocity, r the arm from the body's origin to its centre of mass, I its inertia about the origin and m
 /// its mass, c is m w x (w x r) on the translations and w x I w on the rotations, which turn in the body's own axes.
+#[inline(always)]
 fn float<T: Real>(model: &Model, workspace: &Workspace<T>, body: usize, block: &[T; 21]) -> [T; 6] {
     let kinematics = &workspace.kinematics;
     let axes = kinematics.body_rotation[body];
@@ -142,6 +135,7 @@ fn float<T: Real>(model: &Model, workspace: &Workspace<T>, body: usize, block: &
 }
 
 /// Gaussian elimination of six equations; the block is positive definite but for a small part, so the pivots stay in place.
+#[inline(always)]
 fn solve<T: Real>(mut matrix: [[T; 7]; 6]) -> [T; 6] {
     for pivot in 0..6 {
         let above = matrix[pivot];

@@ -19,24 +19,28 @@ use super::{
     stepping,
 };
 use crate::{
-    model::{JointKind, Model},
+    model::{Integrator, JointKind, Model},
     scalar::Real,
 };
 use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 
-/// Advances `state` by one semi-implicit step from the forces in `workspace`.
+/// Advances `state` by one step from the forward pass in `workspace`.
 ///
 /// # Errors
-/// A step that would end beyond all measure; `state` is then what it was before.
-pub fn euler<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
+/// A step that would end beyond all measure; with Runge-Kutta, as for [`forward`](stepping::forward), at any stage. `state` is then what
+/// it was before. Of several lanes the first that has a fault; the others have been advanced.
+pub fn integrate<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     run(Stage::Damped, model, state, workspace);
     advance(model, state, workspace)
 }
 
-/// Advances `state` by one step at the activation rates and the damped acceleration in `workspace`. A lane with a fault stays.
+/// The same at the rates in `workspace`: accelerations, also damped, and activations. A lane with a fault stays.
 pub(super) fn advance<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
-    workspace.arch.dispatch(Advance { model, state, workspace })
+    match model.options.integrator {
+        Integrator::RungeKutta => runge_kutta::runge_kutta(model, state, workspace),
+        Integrator::Euler | Integrator::Implicit => workspace.arch.dispatch(Advance { model, state, workspace }),
+    }
 }
 
 struct Advance<'a, T: Real> {
@@ -85,9 +89,14 @@ pub(super) fn keep_where<T: Real>(lives: T::Mask, to: &mut [T], from: &[T]) {
     }
 }
 
-/// Solves (M + h B) a = smooth + constraint forces; without damping a is the acceleration itself.
+/// Solves (M + h B) a = smooth + constraint forces; without damping a is the acceleration itself. Runge-Kutta's method needs none.
 #[inline(always)]
 pub(super) fn damped_acceleration<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
+    match model.options.integrator {
+        Integrator::RungeKutta => return,
+        Integrator::Implicit => return implicit::acceleration(model, state, workspace),
+        Integrator::Euler => {}
+    }
     if !model.options.euler_damping || model.dofs.damping.iter().all(|damping| *damping == 0.0) {
         workspace.damped_acceleration.copy_from_slice(&workspace.acceleration);
         return;

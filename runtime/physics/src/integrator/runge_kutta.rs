@@ -7,6 +7,7 @@
 use super::{advance_placed, advance_positions, keep_where};
 use crate::{
     Fault, Workspace, actuation,
+    lanes::WIDTH,
     model::{JointKind, Model},
     scalar::Real,
     spatial::{cross, scale},
@@ -101,23 +102,26 @@ pub(crate) fn turning_dofs(model: &Model) -> Arc<[usize]> {
     (0..model.joints.kind.len()).filter_map(turning).collect()
 }
 
-/// Advances `state` by one step; `workspace` holds its forward pass on entry, that of the last stage on return.
+/// Advances `state` by one step; `workspace` holds its forward pass on entry, that of the last stage on return. A lane with a fault
+/// stays.
 ///
 /// # Errors
 /// As for [`forward`](stepping::forward), at any stage; `state` is then what it was before.
-pub fn runge_kutta<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
+pub(super) fn runge_kutta<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     let Some(mut method) = workspace.runge_kutta.take() else { return Ok(()) };
+    let mut met = Met::none(workspace);
+    met.note(workspace);
+    stages(model, state, workspace, &mut method, &mut met);
+    let sums = &method.sums;
     let time = model.options.timestep;
-    let outcome = stages(model, state, workspace, &mut method).and_then(|()| {
-        let sums = &method.sums;
-        let activations = actuation::advanced(&workspace.actuation, &sums.activation, time, &state.activation);
-        let checked = (&workspace.masked[..], &mut workspace.faults[..]);
-        stepping::check_end(model, state, &sums.velocity, Some(&sums.position), activations, checked)
-    });
-    if outcome.is_ok() {
+    let activations = actuation::advanced(&workspace.actuation, &sums.activation, time, &state.activation);
+    let checked = (&workspace.masked[..], &mut workspace.faults[..]);
+    // What it finds is noted by lane.
+    let _ = stepping::check_end(model, state, &sums.velocity, Some(&sums.position), activations, checked);
+    met.note(workspace);
+    let lives = T::mask(|lane| !workspace.masked[lane]);
+    if T::any(lives) {
         let step = T::splat(time);
-        let sums = &method.sums;
-        let lives = T::mask(|lane| workspace.lives(lane));
         actuation::advance(&workspace.actuation, &sums.activation, time, lives, &mut state.activation);
         for (velocity, rate) in state.velocity.iter_mut().zip(&sums.velocity) {
             *velocity = T::select(lives, *velocity + step * *rate, *velocity);
@@ -131,15 +135,41 @@ pub fn runge_kutta<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut
         keep_where(lives, &mut state.warm_start, &workspace.acceleration);
     }
     workspace.runge_kutta = Some(method);
-    outcome
+    met.leave(workspace);
+    workspace.outcome()
 }
 
-fn stages<T: Real>(
-    model: &Model,
-    state: &State<T>,
-    workspace: &mut Workspace<T>,
-    method: &mut RungeKutta<T>,
-) -> Result<(), Fault> {
+/// Faults that lanes have met in this step: they are masked until its end.
+struct Met {
+    masked: [bool; WIDTH],
+    faults: [Option<Fault>; WIDTH],
+}
+
+impl Met {
+    fn none<T: Real>(workspace: &Workspace<T>) -> Self {
+        let mut masked = [false; WIDTH];
+        masked.iter_mut().zip(&workspace.masked).for_each(|(to, from)| *to = *from);
+        Self { masked, faults: Default::default() }
+    }
+
+    /// Takes over what has just been found.
+    fn note<T: Real>(&mut self, workspace: &mut Workspace<T>) {
+        for ((kept, found), masked) in self.faults.iter_mut().zip(&mut workspace.faults).zip(&mut workspace.masked) {
+            if let Some(fault) = found.take().filter(|_| !*masked) {
+                *kept = Some(fault);
+                *masked = true;
+            }
+        }
+    }
+
+    /// Gives the lanes back with their faults.
+    fn leave<T: Real>(self, workspace: &mut Workspace<T>) {
+        workspace.masked.iter_mut().zip(self.masked).for_each(|(to, from)| *to = from);
+        workspace.faults.iter_mut().zip(self.faults).for_each(|(to, from)| *to = from);
+    }
+}
+
+fn stages<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>, method: &mut RungeKutta<T>, met: &mut Met) {
     method.stage.copy_from(state);
     // Fibres move implicitly, from where they are at the start to each stage and to the end: their error is of first order.
     workspace.actuation.keep_fibres(&mut method.stage, 0.0, T::mask(|_| true));
@@ -160,9 +190,12 @@ fn stages<T: Real>(
         };
         move_on(&mut stage.velocity, &state.velocity, &rates.velocity);
         move_on(&mut stage.activation, &state.activation, &rates.activation);
-        stepping::forward(model, stage, workspace)?;
+        let _ = stepping::forward(model, stage, workspace);
+        met.note(workspace);
+        if workspace.masked.iter().all(|masked| *masked) {
+            return;
+        }
         method.take(workspace, time);
         method.sums.add(&method.rates, *weight);
     }
-    Ok(())
 }
