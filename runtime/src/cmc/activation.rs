@@ -239,9 +239,11 @@ impl LaneWork for Reach<'_> {
         let hold = self.hold;
         for group in &self.muscles.groups {
             let present = group.present(self.activations);
-            let ends = self.excitations.map(|bound| hold.activation(present, Lanes::splat(bound), &group.constants));
+            let [low, high] = self.excitations;
+            let low = hold.activation(present, Lanes::splat(low), &group.constants);
+            let high = hold.activation(present, Lanes::splat(high), &group.constants);
             for (lane, out) in self.out[group.places.clone()].iter_mut().enumerate() {
-                *out = ends.map(|end| end.lane(lane));
+                *out = [low.lane(lane), high.lane(lane)];
             }
         }
     }
@@ -266,7 +268,7 @@ impl LaneWork for Excite<'_> {
             let wanted = &mut self.wanted[group.places.clone()];
             let (present, goal) = (group.present(self.activations), gather(wanted.iter().copied()));
             let reach = &self.reach[group.places.clone()];
-            let reach = [0, 1].map(|bound| gather(reach.iter().map(|reach| reach[bound])));
+            let reach = [gather(reach.iter().map(|reach| reach[0])), gather(reach.iter().map(|reach| reach[1]))];
             let found = hold.excitation(present, goal, self.range, reach, &group.constants);
             for (lane, wanted) in wanted.iter_mut().enumerate() {
                 *wanted = found.lane(lane);

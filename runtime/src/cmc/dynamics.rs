@@ -34,6 +34,8 @@ struct Crossing {
     muscle: Muscle,
     /// The independent coordinates that it moves, ascending.
     rows: Vec<usize>,
+    /// Their depths in the pattern.
+    depths: Vec<usize>,
     /// For each entry of its tendon's row the place of its coordinate among these; `None` for a dof that is held still.
     places: Vec<Option<usize>>,
 }
@@ -61,13 +63,16 @@ impl<T: Real> Dynamics<T> {
             rows.dedup();
             let place = |coordinate: usize| rows.partition_point(|row| *row < coordinate);
             let places = moments.dofs(muscle.tendon).map(|dof| coordinates.of(dof).map(place)).collect();
-            Crossing { actuator, muscle, rows, places }
+            Crossing { actuator, muscle, rows, depths: Vec::new(), places }
         };
-        let crossing: Vec<Crossing> = model.actuators.muscles().map(crossing).collect();
+        let mut crossing: Vec<Crossing> = model.actuators.muscles().map(crossing).collect();
         let mut pattern = PathPattern::default();
         let bodies = coupled_by_bodies(model, coordinates);
         let coupled = bodies.iter().map(|pair| &pair[..]).chain(crossing.iter().map(|crossing| &crossing.rows[..]));
         pattern.rebuild(&vec![None; coordinates.len()], coupled);
+        for Crossing { rows, depths, .. } in &mut crossing {
+            depths.extend(rows.iter().map(|&row| pattern.depth(row)));
+        }
         let most = crossing.iter().map(|crossing| crossing.rows.len()).max().unwrap_or(0);
         Self {
             projected: projected(model, coordinates, &pattern),
@@ -90,7 +95,7 @@ impl<T: Real> Dynamics<T> {
     pub fn columns(&self) -> Columns<T> {
         let mut columns = Columns::default();
         for crossing in &self.crossing {
-            columns.push(crossing.rows.iter().map(|&row| (row, T::splat(0.0))));
+            columns.push(&self.pattern, crossing.rows.iter().map(|&row| (row, T::splat(0.0))));
         }
         columns
     }
@@ -167,7 +172,7 @@ impl<T: Real> Dynamics<T> {
         hold: f64,
         column: &mut [T],
     ) {
-        let Crossing { actuator, muscle, rows, places } = &self.crossing[index];
+        let Crossing { actuator, muscle, rows, depths, places } = &self.crossing[index];
         let arms = &mut self.arms[..rows.len()];
         arms.fill(T::splat(0.0));
         for ((dof, arm), place) in self.moments.row(&workspace.kinematics, &workspace.tendons, muscle.tendon).zip(places) {
@@ -190,9 +195,9 @@ impl<T: Real> Dynamics<T> {
             for (count, (&row, &arm)) in rows.iter().zip(&*arms).enumerate() {
                 let target = &mut self.inertia[self.pattern.row[row].clone()];
                 let weighted = held * arm;
-                for (&earlier, &other) in rows[..=count].iter().zip(&*arms) {
+                for (&depth, &other) in depths[..=count].iter().zip(&*arms) {
                     T::apart();
-                    target[self.pattern.depth(earlier)] += weighted * other;
+                    target[depth] += weighted * other;
                 }
             }
         }

@@ -256,10 +256,11 @@ impl<T: Real> LaneWork for Fill<'_, T> {
             }
             compromise.add_point((moved, motion), &wish, *weight);
             for edge in edges {
-                columns.push(moved.coordinates.iter().zip(&*motion).map(
+                let entries = moved.coordinates.iter().zip(&*motion).map(
                     #[inline(always)]
                     |(&row, column)| (row, dot(column, edge)),
-                ));
+                );
+                columns.push(&dynamics.pattern, entries);
             }
         }
         compromise.settle(accelerations);

@@ -11,12 +11,14 @@ pub(in crate::cmc) struct Columns<T> {
     start: Vec<usize>,
     /// Row of each entry, ascending within a column.
     row: Vec<usize>,
+    /// The depth of that row in the pattern on which the squares of columns have entries.
+    depth: Vec<usize>,
     value: Vec<T>,
 }
 
 impl<T> Default for Columns<T> {
     fn default() -> Self {
-        Self { start: vec![0], row: Vec::new(), value: Vec::new() }
+        Self { start: vec![0], row: Vec::new(), depth: Vec::new(), value: Vec::new() }
     }
 }
 
@@ -27,14 +29,16 @@ impl<T: Real> Columns<T> {
         self.start.truncate(count + 1);
         let entries = self.start[count];
         self.row.truncate(entries);
+        self.depth.truncate(entries);
         self.value.truncate(entries);
     }
 
-    /// Appends a column of (row, value) entries, rows ascending.
+    /// Appends a column of (row, value) entries, rows ascending on one path of the pattern.
     #[inline(always)]
-    pub fn push(&mut self, entries: impl Iterator<Item = (usize, T)>) {
+    pub fn push(&mut self, pattern: &PathPattern, entries: impl Iterator<Item = (usize, T)>) {
         for (row, value) in entries {
             self.row.push(row);
+            self.depth.push(pattern.depth(row));
             self.value.push(value);
         }
         self.start.push(self.row.len());
@@ -75,16 +79,17 @@ impl<T: Real> Columns<T> {
         }
     }
 
-    /// `matrix` += `scale` times a column times its transpose; the column's rows lie on one path of the pattern.
+    /// `matrix` += `scale` times a column times its transpose, on the pattern.
     #[inline(always)]
     pub fn add_square(&self, column: usize, scale: T, pattern: &PathPattern, matrix: &mut [T]) {
         let (rows, values) = self.column(column);
+        let depths = &self.depth[self.start[column]..self.start[column + 1]];
         for (count, (&row, &value)) in rows.iter().zip(values).enumerate() {
             let target = &mut matrix[pattern.row[row].clone()];
             let scaled = scale * value;
-            for (&other_row, &other) in rows[..=count].iter().zip(values) {
+            for (&depth, &other) in depths[..=count].iter().zip(values) {
                 T::apart();
-                target[pattern.depth(other_row)] += scaled * other;
+                target[depth] += scaled * other;
             }
         }
     }

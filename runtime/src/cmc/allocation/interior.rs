@@ -161,9 +161,9 @@ impl<T: Real> Interior<T> {
             let product = mean * mean / (interval.slack[0] * interval.slack[1]);
             let larger = half * (difference.abs() + (difference * difference + T::splat(4.0) * product).sqrt());
             let (smaller, pulled) = (product / larger, zero.less(difference));
-            let prices = [T::select(pulled, larger, smaller), T::select(pulled, smaller, larger)];
+            let [below, above] = [T::select(pulled, larger, smaller), T::select(pulled, smaller, larger)];
             let free = interval.is_free();
-            interval.price = prices.map(|price| T::select(free, price, zero));
+            interval.price = [T::select(free, below, zero), T::select(free, above, zero)];
         }
     }
 
@@ -201,8 +201,9 @@ impl<T: Real> Interior<T> {
         for (index, (interval, unknown)) in self.intervals.iter_mut().zip(problem.unknowns).enumerate() {
             let free = interval.is_free();
             if T::any(free) {
-                interval.inverse = interval.slack.map(|slack| T::splat(1.0) / slack);
-                interval.stiffness = [0, 1].map(|side| interval.price[side] * interval.inverse[side]);
+                let Interval { slack, price, .. } = *interval;
+                let inverse = [T::splat(1.0) / slack[0], T::splat(1.0) / slack[1]];
+                (interval.inverse, interval.stiffness) = (inverse, [price[0] * inverse[0], price[1] * inverse[1]]);
                 let yields = T::splat(1.0) / (unknown.cost + interval.stiffness[0] + interval.stiffness[1]);
                 interval.yields = T::select(free, yields, T::splat(0.0));
                 problem.columns.add_square(index, interval.yields, problem.pattern, &mut self.matrix);
@@ -225,7 +226,7 @@ impl<T: Real> Interior<T> {
             let aim = aim(interval);
             let Interval { x, inverse, price, pull, .. } = *interval;
             let aimed = [aim[0] * inverse[0], aim[1] * inverse[1]];
-            interval.price_change = [0, 1].map(|side| T::select(free, aimed[side] - price[side], zero));
+            interval.price_change = [T::select(free, aimed[0] - price[0], zero), T::select(free, aimed[1] - price[1], zero)];
             // With the prices that the aim asks for, r x - a·y - λ + μ is minus this.
             interval.push = pull - unknown.cost * x + aimed[0] - aimed[1];
             columns.add_scaled(index, -(interval.yields * interval.push), &mut self.change);
@@ -263,23 +264,37 @@ impl<T: Real> Interior<T> {
     /// Takes the step in the lanes that are `active`, and leaves the others where they are.
     #[inline(always)]
     fn advance(&mut self, length: T, active: T::Mask) {
-        let go = |from: T, change: T| T::select(active, from + length * change, from);
+        let stride = Stride { length, active };
         for interval in &mut self.intervals {
             T::apart();
-            interval.x = go(interval.x, interval.change);
-            interval.slack = [go(interval.slack[0], interval.change), go(interval.slack[1], -interval.change)];
-            interval.pull = go(interval.pull, interval.pull_change);
-            interval.price = [0, 1].map(|side| go(interval.price[side], interval.price_change[side]));
+            interval.x = stride.from(interval.x, interval.change);
+            interval.slack = [stride.from(interval.slack[0], interval.change), stride.from(interval.slack[1], -interval.change)];
+            interval.pull = stride.from(interval.pull, interval.pull_change);
+            let Interval { price, price_change, .. } = *interval;
+            interval.price = [stride.from(price[0], price_change[0]), stride.from(price[1], price_change[1])];
         }
         for (y, &change) in self.y.iter_mut().zip(&self.change) {
             T::apart();
-            *y = go(*y, change);
+            *y = stride.from(*y, change);
         }
         for missing in &mut self.missing {
             T::apart();
             // The equation is linear: the full step would leave nothing.
-            *missing = go(*missing, -*missing);
+            *missing = stride.from(*missing, -*missing);
         }
+    }
+}
+
+/// So much of a step, in these lanes. A type and no closure, which would be compiled for the least of all processors.
+struct Stride<T: Real> {
+    length: T,
+    active: T::Mask,
+}
+
+impl<T: Real> Stride<T> {
+    #[inline(always)]
+    fn from(&self, from: T, change: T) -> T {
+        T::select(self.active, from + self.length * change, from)
     }
 }
 
@@ -314,13 +329,21 @@ impl<T: Real> LaneWork for Search<'_, T> {
                 break;
             }
             interior.factor(problem);
-            interior.step(problem, |_| [zero; 2]);
+            interior.step(
+                problem,
+                #[inline(always)]
+                |_| [zero; 2],
+            );
             let expected = interior.gap(problem, interior.length()) / gap;
             let centre = expected * expected * expected * gap;
-            interior.step(problem, |interval| {
-                let [below, above] = interval.price_change;
-                [centre - interval.change * below, centre + interval.change * above]
-            });
+            interior.step(
+                problem,
+                #[inline(always)]
+                |interval| {
+                    let [below, above] = interval.price_change;
+                    [centre - interval.change * below, centre + interval.change * above]
+                },
+            );
             interior.advance(T::splat(NEARLY) * interior.length(), active);
         }
         for &y in &interior.y {

@@ -81,9 +81,10 @@ impl<T: Real> Newton<T> {
         pattern.layout().solve(&self.hessian, &mut self.direction);
     }
 
-    /// A length in (0, 1] at which the dual's derivative along the direction nearly vanishes. It is piecewise linear and rises.
+    /// A length in (0, 1] at which the dual's derivative along the direction nearly vanishes, in the lanes of the mask. It is piecewise
+    /// linear and rises.
     #[inline(always)]
-    fn line_search(&mut self, problem: &Problem<'_, T>, multiplier: &[T]) -> T {
+    fn line_search(&mut self, problem: &Problem<'_, T>, multiplier: &[T], goes_on: T::Mask) -> T {
         let Problem { pattern, inertia, columns, unknowns, wanted, .. } = *problem;
         let mut falls = T::splat(0.0);
         for (&gradient, &direction) in self.gradient.iter().zip(&self.direction) {
@@ -101,7 +102,7 @@ impl<T: Real> Newton<T> {
         for (index, unknown) in unknowns.iter().enumerate() {
             self.slope[index] = columns.dot(index, &self.direction) / unknown.cost;
         }
-        Line { start, curvature, problem, free: &self.free, slope: &self.slope }.root(T::splat(FLAT) * falls.abs())
+        Line { start, curvature, problem, free: &self.free, slope: &self.slope }.root(T::splat(FLAT) * falls.abs(), goes_on)
     }
 }
 
@@ -126,7 +127,7 @@ impl<T: Real> LaneWork for Search<'_, T> {
                 return found;
             }
             newton.find_direction(problem);
-            let length = newton.line_search(problem, multiplier);
+            let length = newton.line_search(problem, multiplier, goes_on);
             for (y, &direction) in multiplier.iter_mut().zip(&newton.direction) {
                 T::apart();
                 *y = T::select(goes_on, *y + length * direction, *y);
@@ -169,14 +170,15 @@ impl<T: Real> Line<'_, T> {
         [self.start + length * self.curvature + force, self.curvature + stiffness]
     }
 
-    /// Newton's method within a bracket, which is halved where it would leave that, until the derivative is `flat`.
+    /// Newton's method within a bracket, which is halved where it would leave that, until the derivative is `flat` in all lanes of the
+    /// mask: in lanes that have their answer it never is, but for rounding.
     #[inline(always)]
-    fn root(&self, flat: T) -> T {
+    fn root(&self, flat: T, goes_on: T::Mask) -> T {
         let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
         let [mut low, mut high, mut length] = [zero, one, one];
         let [mut derivative, mut stiffness] = self.derivatives(one);
         // Where it still falls at 1 that is the longest step.
-        let mut done = T::not(flat.less(derivative));
+        let mut done = T::or(T::not(goes_on), T::not(flat.less(derivative)));
         for _ in 0..TRIALS {
             if T::all(done) {
                 break;

@@ -43,7 +43,7 @@ impl Dense {
         let mut matrix = vec![0.0; pattern.column.len()];
         (0..ROWS).for_each(|row| matrix[pattern.row[row].end - 1] = inertia(row));
         let mut columns = Columns::default();
-        self.columns.iter().for_each(|column| columns.push(column.iter().copied().enumerate()));
+        self.columns.iter().for_each(|column| columns.push(&pattern, column.iter().copied().enumerate()));
         Parts { pattern, inertia: matrix, columns }
     }
 
@@ -112,7 +112,7 @@ proptest! {
         let inertia: Vec<Lanes> = inertia.into_iter().map(Lanes::splat).collect();
         let wanted: Vec<Lanes> = (0..ROWS).map(|row| gather(&|dense| dense.wanted[row])).collect();
         let mut columns = Columns::default();
-        (0..COLUMNS).for_each(|index| columns.push((0..ROWS).map(|row| (row, gather(&|dense| dense.columns[index][row])))));
+        (0..COLUMNS).for_each(|index| columns.push(&pattern, (0..ROWS).map(|row| (row, gather(&|dense| dense.columns[index][row])))));
         let unknown = |index: usize| Unknown {
             low: gather(&|dense| dense.unknowns[index].low),
             high: gather(&|dense| dense.unknowns[index].high),
