@@ -51,10 +51,19 @@ impl Hold {
     /// deactivation times (s) and smoothing width.
     #[inline(always)]
     fn activation<T: Real>(self, activation: T, excitation: T, constants: &[f64; 3]) -> T {
-        let mut present = activation;
+        let [end] = self.activations(activation, [excitation], constants);
+        end
+    }
+
+    /// The activations at the end under several excitations, side by side: each waits for its divisions, not for the others'.
+    #[inline(always)]
+    fn activations<T: Real, const N: usize>(self, activation: T, excitations: [T; N], constants: &[f64; 3]) -> [T; N] {
+        let mut present = [activation; N];
         // No closure: it would be compiled for the least of all processors.
         for _ in 0..self.steps {
-            present += T::splat(self.timestep) * activation_rate(excitation, present, constants);
+            for (present, excitation) in present.iter_mut().zip(excitations) {
+                *present += T::splat(self.timestep) * activation_rate(excitation, *present, constants);
+            }
         }
         present
     }
@@ -240,8 +249,7 @@ impl LaneWork for Reach<'_> {
         for group in &self.muscles.groups {
             let present = group.present(self.activations);
             let [low, high] = self.excitations;
-            let low = hold.activation(present, Lanes::splat(low), &group.constants);
-            let high = hold.activation(present, Lanes::splat(high), &group.constants);
+            let [low, high] = hold.activations(present, [Lanes::splat(low), Lanes::splat(high)], &group.constants);
             for (lane, out) in self.out[group.places.clone()].iter_mut().enumerate() {
                 *out = [low.lane(lane), high.lane(lane)];
             }
