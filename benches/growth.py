@@ -15,7 +15,7 @@ import pathlib
 import statistics
 import subprocess
 import tempfile
-import xml.etree.ElementTree as ElementTree
+from xml.etree import ElementTree
 
 ROOT = pathlib.Path(__file__).parents[1]
 MODEL = ROOT / "bodies/models/human416.xml"
@@ -67,7 +67,10 @@ def measure(programs, rounds, seconds):
 
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "model.xml"
-        for what, sizes, make in [("muscles", [16, 52, 104, 208, 312, 416], with_muscles), ("boxes", [0, 1, 2, 4, 8, 16, 32], with_boxes)]:
+        for what, sizes, make in [
+            ("muscles", [16, 52, 104, 208, 312, 416], with_muscles),
+            ("boxes", [0, 1, 2, 4, 8, 16, 32], with_boxes),
+        ]:
             for size in sizes:
                 path.write_text(make(size))
                 add(what, size, "one at a time", path, "speed")
@@ -123,7 +126,12 @@ def main():
             writer.writerow(("what", "size", "way", "microseconds_per_step"))
             writer.writerows((what, size, way, f"{time:.1f}") for what, size, way, time in rows)
     with TABLE.open(newline="") as file:
-        draw([(row["what"], int(row["size"]), row["way"], float(row["microseconds_per_step"])) for row in csv.DictReader(file)])
+        draw(
+            [
+                (row["what"], int(row["size"]), row["way"], float(row["microseconds_per_step"]))
+                for row in csv.DictReader(file)
+            ]
+        )
 
 
 if __name__ == "__main__":
