@@ -46,7 +46,7 @@ def with_boxes(count):
         place = f"{2 + index % 8} {1 + index // 8} 0.1"
         body = ElementTree.SubElement(world, "body", name=f"box_{index}", pos=place)
         ElementTree.SubElement(body, "freejoint")
-        ElementTree.SubElement(body, "geom", type="box", size="0.1 0.1 0.1", mass="2")
+        ElementTree.SubElement(body, "geom", type="box", size="0.1 0.1 0.1", mass="2", contype="1", conaffinity="1")
     return ElementTree.tostring(tree.getroot(), encoding="unicode")
 
 
