@@ -4,7 +4,7 @@
 //!
 //! Eight episodes of a task in the lanes of one worker under the policy `cmc`, and one alone. Wall-clock time per episode and control
 //! step, medians of the rounds: for a machine that does nothing else.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a program for whoever measures")]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a benchmark ends at its first failure")]
 
 use msk::compiler::compile;
 use msk::runtime::episode::{Controlled, Engine, Environment, EpisodeKey, Member};

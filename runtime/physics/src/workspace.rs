@@ -100,6 +100,16 @@ impl<T: Real> Workspace<T> {
         !self.masked[lane] && self.faults[lane].is_none()
     }
 
+    /// Moves the faults that have just been found to those of their lanes, which are masked from here on.
+    pub(crate) fn take_faults(&mut self, met: &mut [Option<Fault>]) {
+        for ((kept, found), masked) in met.iter_mut().zip(&mut self.faults).zip(&mut self.masked) {
+            if let Some(fault) = found.take().filter(|_| !*masked) {
+                *kept = Some(fault);
+                *masked = true;
+            }
+        }
+    }
+
     /// The fault of the first lane that has one.
     pub(crate) fn outcome(&self) -> Result<(), Fault> {
         self.faults.iter().flatten().next().map_or(Ok(()), |fault| Err(fault.clone()))

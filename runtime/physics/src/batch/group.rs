@@ -150,25 +150,14 @@ impl LaneGroup {
     pub fn integrate(&mut self) {
         self.workspace.faults.fill(None);
         let _ = integrator::advance(&self.model, &mut self.state, &mut self.workspace);
-        self.note_faults();
+        self.workspace.take_faults(&mut self.faults);
     }
 
     /// Passes all states forward.
     pub fn forward(&mut self) {
         let _ = stepping::forward(&self.model, &self.state, &mut self.workspace);
-        self.note_faults();
+        self.workspace.take_faults(&mut self.faults);
         run(Stage::Damped, &self.model, &self.state, &mut self.workspace);
-    }
-
-    /// Leaves lanes out that have just met a fault.
-    fn note_faults(&mut self) {
-        let Workspace { faults, masked, .. } = &mut self.workspace;
-        for (lane, found) in faults.iter_mut().enumerate() {
-            if let Some(fault) = found.take().filter(|_| !masked[lane]) {
-                self.faults[lane] = Some(fault);
-                masked[lane] = true;
-            }
-        }
     }
 
     /// Why the episode in a lane has not been stepped any more.

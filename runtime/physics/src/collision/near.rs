@@ -80,7 +80,8 @@ impl<T: Real> NearPairs<T> {
 /// How far a shape reaches from its centre along a unit vector, m.
 #[inline(always)]
 fn extent<T: Real>(model: &Model, rotation: &[Matrix3<T>], geom: usize, direction: &Vector3<T>) -> T {
-    let [a, b, c] = [0, 1, 2].map(|axis| T::splat(model.geoms.size[geom][axis]));
+    let size = &model.geoms.size[geom];
+    let (a, b, c) = (T::splat(size.x), T::splat(size.y), T::splat(size.z));
     let local = rotate_back(&rotation[geom], direction);
     let [x, y, z] = [local.x.abs(), local.y.abs(), local.z.abs()];
     match model.geoms.kind[geom] {

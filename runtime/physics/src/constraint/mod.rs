@@ -132,10 +132,6 @@ impl Constraints {
 
     /// Detects the contacts of the episode in `lane`. Needs the kinematics and the near pairs of `workspace`.
     pub fn detect<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
-        if !model.options.switches.contact {
-            self.contacts.clear();
-            return;
-        }
         let found = (&workspace.kinematics, &workspace.near);
         self.plan.detect(model, found, lane, &mut self.contacts, &mut self.memory);
     }

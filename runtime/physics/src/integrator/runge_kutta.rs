@@ -110,7 +110,7 @@ pub(crate) fn turning_dofs(model: &Model) -> Arc<[usize]> {
 pub(super) fn runge_kutta<T: Real>(model: &Model, state: &mut State<T>, workspace: &mut Workspace<T>) -> Result<(), Fault> {
     let Some(mut method) = workspace.runge_kutta.take() else { return Ok(()) };
     let mut met = Met::none(workspace);
-    met.note(workspace);
+    workspace.take_faults(&mut met.faults);
     stages(model, state, workspace, &mut method, &mut met);
     let sums = &method.sums;
     let time = model.options.timestep;
@@ -118,7 +118,7 @@ pub(super) fn runge_kutta<T: Real>(model: &Model, state: &mut State<T>, workspac
     let checked = (&workspace.masked[..], &mut workspace.faults[..]);
     // What it finds is noted by lane.
     let _ = stepping::check_end(model, state, &sums.velocity, Some(&sums.position), activations, checked);
-    met.note(workspace);
+    workspace.take_faults(&mut met.faults);
     let lives = T::mask(|lane| !workspace.masked[lane]);
     if T::any(lives) {
         let step = T::splat(time);
@@ -152,16 +152,6 @@ impl Met {
         Self { masked, faults: Default::default() }
     }
 
-    /// Takes over what has just been found.
-    fn note<T: Real>(&mut self, workspace: &mut Workspace<T>) {
-        for ((kept, found), masked) in self.faults.iter_mut().zip(&mut workspace.faults).zip(&mut workspace.masked) {
-            if let Some(fault) = found.take().filter(|_| !*masked) {
-                *kept = Some(fault);
-                *masked = true;
-            }
-        }
-    }
-
     /// Gives the lanes back with their faults.
     fn leave<T: Real>(self, workspace: &mut Workspace<T>) {
         workspace.masked.iter_mut().zip(self.masked).for_each(|(to, from)| *to = from);
@@ -191,7 +181,7 @@ fn stages<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>
         move_on(&mut stage.velocity, &state.velocity, &rates.velocity);
         move_on(&mut stage.activation, &state.activation, &rates.activation);
         let _ = stepping::forward(model, stage, workspace);
-        met.note(workspace);
+        workspace.take_faults(&mut met.faults);
         if workspace.masked.iter().all(|masked| *masked) {
             return;
         }
