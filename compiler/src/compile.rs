@@ -27,6 +27,7 @@ use crate::diagnostics::{Checked, Diagnostic, FileId, Report, Reported, SourceMa
 use crate::files::{BodySource, Loader, plain};
 use crate::resolve::Texts;
 use crate::resolve::scope::{FileInSight, Globals, Names};
+use crate::snapshot::body_digest;
 use crate::syntax;
 use crate::syntax::tree::{self, Item};
 use crate::task::CompiledTask;
@@ -171,6 +172,8 @@ struct SourceFile {
 /// A body with what tasks on it may name.
 struct Described {
     description: Arc<BodyDescription>,
+    /// For content hashes.
+    digest: String,
     vocabulary: Checked<Vocabulary>,
 }
 
@@ -200,7 +203,8 @@ fn describe_bodies<'a>(
                 Some(reported) => Err(reported),
                 None => bind(&description, body, file.tree.file, bodies, diagnostics),
             };
-            let entry = Described { description: Arc::new(description), vocabulary };
+            let digest = body_digest(&description);
+            let entry = Described { description: Arc::new(description), digest, vocabulary };
             if described.insert(body.name.text.clone(), entry).is_some() {
                 let message = format!("the body `{}` is declared twice", body.name.text);
                 diagnostics.push(Diagnostic::new(codes::names::DECLARED_TWICE, file.tree.file, body.name.span, message));

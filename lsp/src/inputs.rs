@@ -1,7 +1,7 @@
 //! What was read to understand a text: what was understood holds as long as every input is what it was.
 
 use msk_compiler::body::BodyDescription;
-use msk_compiler::files::{BodySource, LoadError, Loader};
+use msk_compiler::files::{BodySource, LoadError, Loader, Piece};
 use msk_compiler::motion::Motion;
 use msk_compiler::vocabulary::Vocabulary;
 use std::cell::RefCell;
@@ -72,6 +72,10 @@ impl Loader for Recorder<'_> {
         let bytes = self.loader.load_bytes(path, limit);
         self.inputs.borrow_mut().others.push((path.to_path_buf(), limit, digest(&bytes)));
         bytes
+    }
+
+    fn side_by_side(&self, work: Vec<Piece<'_>>) {
+        self.loader.side_by_side(work);
     }
 }
 

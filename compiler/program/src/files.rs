@@ -27,7 +27,16 @@ pub trait Loader {
         let _ = limit;
         Err(LoadError::Unreadable { path: path.into(), reason: "only texts are at hand here".to_owned() })
     }
+
+    /// Does pieces of work that need nothing of one another, such as parsing several texts: here one after the other. A loader
+    /// with threads at hand does them side by side.
+    fn side_by_side(&self, work: Vec<Piece<'_>>) {
+        work.into_iter().for_each(|piece| piece());
+    }
 }
+
+/// Work that any thread may do.
+pub type Piece<'w> = Box<dyn FnOnce() + Send + 'w>;
 
 /// Knows the bodies that tasks may name.
 pub trait BodySource {

@@ -54,6 +54,10 @@ impl<'a> Checker<'a> {
 
     /// The plain names of a brace pattern, in order.
     pub(crate) fn expand(&mut self, name: &Name) -> Checked<Vec<String>> {
+        if let [NamePart::Literal(text)] = name.parts.as_slice() {
+            self.spend(1, name.span)?;
+            return Ok(vec![text.clone()]);
+        }
         let mut texts = vec![String::new()];
         for part in &name.parts {
             let choices: Vec<String> = match part {

@@ -46,7 +46,7 @@ pub struct TaskScope {
     /// Where its name stands.
     pub span: Span,
     /// What exists on its body and in its scene.
-    pub vocabulary: Vocabulary,
+    pub vocabulary: Arc<Vocabulary>,
     /// The typed HIR of its scene and of each of its phases.
     pub typed: Vec<TypedFormulas>,
 }

@@ -1,10 +1,10 @@
 //! Reading: the entry, the files that it uses, and the body files of its tasks, each once.
 
 use super::SourceFile;
-use crate::diagnostics::{Diagnostic, SourceMap, Span, codes};
-use crate::files::{BodySource, LoadError, Loader, plain};
-use crate::syntax;
+use crate::diagnostics::{Diagnostic, FileId, SourceMap, Span, codes};
+use crate::files::{BodySource, LoadError, Loader, Piece, plain};
 use crate::syntax::tree::{self, Item, TaskStatement};
+use crate::syntax::{self, Parsed};
 use crate::work::visit;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub(super) struct Reader<'a> {
     pub(super) files: Vec<SourceFile>,
     /// Place of each file, by its path.
     places: BTreeMap<PathBuf, usize>,
-    /// Bytes of all files.
+    /// Bytes of the entry and of all that is used.
     bytes: usize,
     pub(super) diagnostics: Vec<Diagnostic>,
 }
@@ -37,7 +37,8 @@ impl<'a> Reader<'a> {
     pub(super) fn read_all(&mut self, entry: &Path) -> Result<(), LoadError> {
         let entry = plain(entry);
         let text = self.loader.load(&entry)?;
-        self.add(entry, text);
+        self.bytes = text.len();
+        self.add(vec![(entry, text)]);
         let mut next = 0;
         while next < self.files.len() {
             let file = self.files[next].tree.file;
@@ -48,10 +49,10 @@ impl<'a> Reader<'a> {
                 .iter()
                 .filter_map(|item| if let Item::Use(used) = item { Some(used.path.clone()) } else { None })
                 .collect();
-            let mut uses = BTreeSet::new();
+            let (mut uses, mut read, mut full) = (BTreeSet::new(), Vec::new(), false);
             for path in used {
                 visit(1);
-                match self.read_used(&plain(&base.join(&path.value))) {
+                match self.read_used(&plain(&base.join(&path.value)), &mut read) {
                     Ok(index) if uses.insert(index) => self.files[next].uses.push(index),
                     Ok(_) => {}
                     Err(UseError::Load(problem)) => {
@@ -64,20 +65,27 @@ impl<'a> Reader<'a> {
                         let diagnostic = Diagnostic::new(codes::tasks::TOO_LARGE, file, path.span, message)
                             .help("compile its parts separately: this file and later ones are not compiled");
                         self.diagnostics.push(diagnostic);
-                        return Ok(());
+                        full = true;
+                        break;
                     }
                 }
+            }
+            self.add(read);
+            if full {
+                return Ok(());
             }
             next += 1;
         }
         Ok(())
     }
 
-    fn read_used(&mut self, path: &Path) -> Result<usize, UseError> {
+    /// The place of a file that is used, and its text in `read` if it is new.
+    fn read_used(&mut self, path: &Path, read: &mut Vec<(PathBuf, String)>) -> Result<usize, UseError> {
         if let Some(known) = self.places.get(path) {
             return Ok(*known);
         }
-        if self.files.len() >= MAXIMUM_FILES {
+        let place = self.files.len() + read.len();
+        if place >= MAXIMUM_FILES {
             return Err(UseError::TooMany(format!(
                 "this would be file number {}: the limit is {MAXIMUM_FILES}",
                 MAXIMUM_FILES + 1
@@ -88,17 +96,28 @@ impl<'a> Reader<'a> {
             let found = format!("with this file the total size exceeds {} MB", MAXIMUM_BYTES >> 20);
             return Err(UseError::TooMany(found));
         }
-        Ok(self.add(path.to_path_buf(), text))
+        self.bytes += text.len();
+        self.places.insert(path.to_path_buf(), place);
+        read.push((path.to_path_buf(), text));
+        Ok(place)
     }
 
-    fn add(&mut self, path: PathBuf, text: String) -> usize {
-        let file = self.sources.add(path.display().to_string(), text);
-        let parsed = syntax::parse(file, self.sources.text(file));
-        self.diagnostics.extend(parsed.diagnostics);
-        self.bytes += self.sources.text(file).len();
-        self.places.insert(path.clone(), self.files.len());
-        self.files.push(SourceFile { path, tree: parsed.tree, uses: Vec::new() });
-        self.files.len() - 1
+    /// Parses texts, of which none needs another, and keeps them in their order.
+    fn add(&mut self, texts: Vec<(PathBuf, String)>) {
+        let named = texts.into_iter().map(|(path, text)| (self.sources.add(path.display().to_string(), text), path));
+        let named: Vec<(FileId, PathBuf)> = named.collect();
+        let sources = &self.sources;
+        let parse = |file: FileId| syntax::parse(file, sources.text(file));
+        let mut parsed: Vec<Option<Parsed>> = named.iter().map(|_| None).collect();
+        let work =
+            named.iter().zip(&mut parsed).map(|((file, _), parsed)| -> Piece<'_> { Box::new(|| *parsed = Some(parse(*file))) });
+        self.loader.side_by_side(work.collect());
+        for ((file, path), parsed) in named.into_iter().zip(parsed) {
+            let Parsed { tree, diagnostics, .. } = parsed.unwrap_or_else(|| parse(file));
+            self.diagnostics.extend(diagnostics);
+            self.places.insert(path.clone(), self.files.len());
+            self.files.push(SourceFile { path, tree, uses: Vec::new() });
+        }
     }
 
     /// Finds the body of every task that no file declares: in a folder `bodies` beside or above the entry, else built in.
@@ -130,7 +149,7 @@ impl<'a> Reader<'a> {
             let path = folder.join("bodies").join(format!("{name}.msk"));
             match self.loader.load(&path) {
                 Ok(text) => {
-                    self.add(path, text);
+                    self.add(vec![(path, text)]);
                     return;
                 }
                 Err(LoadError::Missing(_)) => {}
@@ -143,7 +162,7 @@ impl<'a> Reader<'a> {
             }
         }
         if let Some((path, text)) = bodies.find(name) {
-            self.add(path, text);
+            self.add(vec![(path, text)]);
         }
     }
 }

@@ -18,6 +18,7 @@ use crate::motion::Motion;
 use crate::resolve::inherit::{self, Budget, Find, InFile, Placed, WholeTask};
 use crate::resolve::scope::{Globals, Names};
 use crate::resolve::{Texts, written};
+use crate::snapshot::body_digest;
 use crate::syntax::tree::{Docs, Ident, Item, Phase, Sequence, Task, TaskStatement, walk};
 use crate::task::CompiledTask;
 use crate::vocabulary::Vocabulary;
@@ -286,6 +287,13 @@ fn tests_of<'a>(mut phases: Vec<CheckedPhase<'a>>, diagnostics: &mut Vec<Diagnos
     Ok(Tested { phases, tests })
 }
 
+/// The body of a task, with what the task changes on it.
+struct Fitted<'a> {
+    description: Arc<BodyDescription>,
+    digest: Cow<'a, str>,
+    vocabulary: Cow<'a, Vocabulary>,
+}
+
 /// Compiles units.
 pub(super) struct Compiler<'a> {
     pub described: &'a BTreeMap<String, Described>,
@@ -315,7 +323,7 @@ impl Compiler<'_> {
         if self.noting {
             all_names.iter_mut().for_each(|names| names.typed = Some(RefCell::default()));
         }
-        let (description, vocabulary) = self.body(first, &all_names[0], diagnostics)?;
+        let Fitted { description, digest, vocabulary } = self.body(first, &all_names[0], diagnostics)?;
         let phase_names: Vec<String> = match &unit.sequence {
             Some(_) => unit.phases.iter().map(|phase| phase.task.task.name.text.clone()).collect(),
             None => Vec::new(),
@@ -327,7 +335,7 @@ impl Compiler<'_> {
         // All phases share the scene: it is that of the first.
         let (scene, mut of_scene) = check::scene::of_task(first, &all_names[0], &vocabulary);
         let broken = Reported::among(&of_scene);
-        let vocabulary = vocabulary.with_scene(&scene.description);
+        let vocabulary = Arc::new(vocabulary.with_scene(&scene.description));
         let trace = |motion: &Motion| self.bodies.trace(&description, motion);
         let around = Around {
             vocabulary: &vocabulary,
@@ -399,7 +407,8 @@ impl Compiler<'_> {
             docs: unit.docs,
             family: checked.first().map(|phase| phase.checked.family.clone()).unwrap_or_default(),
             body: description.clone(),
-            vocabulary: Arc::new(vocabulary.clone()),
+            body_digest: digest,
+            vocabulary: vocabulary.clone(),
             success,
             shared: shared.collect(),
         };
@@ -409,12 +418,7 @@ impl Compiler<'_> {
     }
 
     /// The body that a task runs on, with what the task changes on it.
-    fn body(
-        &self,
-        task: &WholeTask,
-        names: &Names<'_>,
-        diagnostics: &mut Vec<Diagnostic>,
-    ) -> Checked<(Arc<BodyDescription>, Cow<'_, Vocabulary>)> {
+    fn body(&self, task: &WholeTask, names: &Names<'_>, diagnostics: &mut Vec<Diagnostic>) -> Checked<Fitted<'_>> {
         let Some((used, file)) = body_of(&task.statements) else {
             let message = format!("the task `{}` does not declare its `body`", task.task.name.text);
             let diagnostic = Diagnostic::new(codes::tasks::MISSING, task.file, task.task.name.span, message);
@@ -429,14 +433,21 @@ impl Compiler<'_> {
         };
         let vocabulary = described.vocabulary.as_ref().map_err(|reported| *reported)?;
         if used.edits.is_empty() {
-            return Ok((described.description.clone(), Cow::Borrowed(vocabulary)));
+            return Ok(Fitted {
+                description: described.description.clone(),
+                digest: Cow::Borrowed(&described.digest),
+                vocabulary: Cow::Borrowed(vocabulary),
+            });
         }
         let (changes, reported) = check::edits::edits(used, file, task, names, vocabulary);
         diagnostics.extend(reported);
         let mut description = BodyDescription::clone(&described.description);
         description.changes = changes?;
         match self.bodies.vocabulary(&description) {
-            Ok(vocabulary) => Ok((Arc::new(description), Cow::Owned(vocabulary))),
+            Ok(vocabulary) => {
+                let digest = Cow::Owned(body_digest(&description));
+                Ok(Fitted { description: Arc::new(description), digest, vocabulary: Cow::Owned(vocabulary) })
+            }
             Err(problems) => {
                 let message = format!("invalid change of the body `{}`", name.text);
                 let diagnostic = Diagnostic::new(codes::names::BODY, file, used.span, message);

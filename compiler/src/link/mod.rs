@@ -23,6 +23,7 @@ use crate::vocabulary::Vocabulary;
 use msk_program::debug::{ChannelDebug, ConditionDebug, DebugInfo, Definition, TermDebug};
 use msk_program::lower::{DrawOutput, Outputs, layout};
 use msk_program::source::Places;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A checked task with what it was read from.
@@ -43,6 +44,7 @@ pub(crate) struct Heading<'a> {
     pub docs: Option<&'a Docs>,
     pub family: String,
     pub body: Arc<BodyDescription>,
+    pub body_digest: Cow<'a, str>,
     pub vocabulary: Arc<Vocabulary>,
     /// Success, where a sequence declares it.
     pub success: Option<(&'a Expr, FileId)>,
@@ -64,8 +66,9 @@ pub(crate) fn finish(
     texts: &dyn Texts,
 ) -> CompiledTask {
     let probed = tested.map(|tested| with_probes(&heading, tested, texts));
+    let body_digest = heading.body_digest.clone();
     let mut task = lower(heading, phases, texts);
-    task.hash = task.content_hash();
+    task.hash = task.content_hash(&body_digest);
     task.tests = probed.map(|(mut probed, first, tests)| {
         probed.hash.clone_from(&task.hash);
         Arc::new(TaskTests { task: Arc::new(probed), first, tests })

@@ -307,10 +307,7 @@ fn inverse(unit: &str) -> Option<String> {
 }
 
 fn is_operator(rule: Rule) -> bool {
-    matches!(
-        rule,
-        Rule::plus | Rule::minus | Rule::times | Rule::divide | Rule::comparison | Rule::kw_and | Rule::kw_or | Rule::frame
-    )
+    matches!(rule, Rule::operator | Rule::minus | Rule::comparison | Rule::kw_and | Rule::kw_or | Rule::frame)
 }
 
 fn is_block(rule: Rule) -> bool {
@@ -335,7 +332,7 @@ fn is_block(rule: Rule) -> bool {
 }
 
 fn after_operand(rules: &[Rule]) -> bool {
-    rules.iter().any(|rule| matches!(rule, Rule::plus | Rule::times | Rule::kw_and))
+    rules.iter().any(|rule| matches!(rule, Rule::operator | Rule::kw_and))
 }
 
 /// What could have stood somewhere, in words, each once; the end of the statement last.

@@ -23,6 +23,7 @@ use msk_compiler::syntax::parse;
 use msk_compiler::vocabulary::{GroupKind, JointKind, Vocabulary};
 use place::{Place, Wanted};
 use std::path::Path;
+use std::sync::Arc;
 
 /// A word that no text uses.
 const PROBE: &str = "unfinished_word";
@@ -132,12 +133,12 @@ fn by_name(vocabulary: &Vocabulary, name: &str) -> Vec<Proposal> {
 }
 
 /// What exists on the body of the task around a byte, or of any other.
-fn vocabulary(workspace: &Workspace<'_>, path: &Path, byte: usize) -> Vocabulary {
+fn vocabulary(workspace: &Workspace<'_>, path: &Path, byte: usize) -> Arc<Vocabulary> {
     let whole = workspace.inspect(path);
     let file = file_of(&whole, path);
     let own = whole.scopes.iter().filter(|scope| Some(scope.file) == file && scope.span.start as usize <= byte);
     let near = own.max_by_key(|scope| scope.span.start).or(whole.scopes.first());
-    near.map(|scope| scope.vocabulary.clone()).or_else(|| workspace.some_vocabulary()).unwrap_or_default()
+    near.map(|scope| scope.vocabulary.clone()).or_else(|| workspace.some_vocabulary().map(Arc::new)).unwrap_or_default()
 }
 
 fn units() -> Vec<Proposal> {

@@ -1,8 +1,9 @@
 //! Texts from the file system.
 
 use crate::bodies;
-use msk_program::files::{LARGEST_FILE, LoadError, Loader};
+use msk_program::files::{LARGEST_FILE, LoadError, Loader, Piece};
 use msk_storage::{StorageError, read_file, read_text_file};
+use rayon::prelude::*;
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -20,6 +21,10 @@ impl Loader for FileLoader {
 
     fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
         read_file(path, limit).map_err(|error| load_error(path, limit, &error))
+    }
+
+    fn side_by_side(&self, work: Vec<Piece<'_>>) {
+        work.into_par_iter().for_each(|piece| piece());
     }
 }
 

@@ -8,7 +8,7 @@ mod fingerprints;
 pub use disk::{FileLoader, load_error};
 pub(crate) use fingerprints::{Fingerprints, Recorder};
 
-use msk_program::files::{LoadError, Loader};
+use msk_program::files::{LoadError, Loader, Piece};
 use std::path::{Path, PathBuf};
 
 /// Another text in place of that of one file, which need not exist; all others are read as they are.
@@ -28,5 +28,9 @@ impl Loader for WithText<'_> {
 
     fn load_bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
         self.others.load_bytes(path, limit)
+    }
+
+    fn side_by_side(&self, work: Vec<Piece<'_>>) {
+        self.others.side_by_side(work);
     }
 }

@@ -17,9 +17,10 @@ mod verify;
 mod words;
 
 use crate::frame::Sensor;
+use hashbrown::DefaultHashBuilder;
+use hashbrown::hash_table::{Entry, HashTable};
 use operation::{Binary, Bits, Memory, Operation, Reduction, Unary};
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
+use std::hash::BuildHasher;
 
 /// A node of a [`Graph`]; inputs have smaller numbers than their readers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -57,7 +58,9 @@ impl Node {
 #[derive(Debug, Clone, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    known: HashMap<Node, NodeId>,
+    /// All nodes, by what they are.
+    known: HashTable<NodeId>,
+    hasher: DefaultHashBuilder,
     lanes: usize,
     /// What the verifier found first.
     finding: Option<String>,
@@ -116,13 +119,16 @@ impl Graph {
     }
 
     fn intern(&mut self, node: Node) -> NodeId {
-        let id = NodeId(u32::try_from(self.nodes.len()).unwrap_or(u32::MAX));
-        match self.known.entry(node) {
+        let Self { nodes, known, hasher, lanes, .. } = self;
+        let (hash, equal) = (hasher.hash_one(&node), |id: &NodeId| nodes[id.index()] == node);
+        match known.entry(hash, equal, |id| hasher.hash_one(&nodes[id.index()])) {
             Entry::Occupied(known) => *known.get(),
             Entry::Vacant(new) => {
-                self.lanes += new.key().held();
-                self.nodes.push(new.key().clone());
-                *new.insert(id)
+                let id = NodeId(u32::try_from(nodes.len()).unwrap_or(u32::MAX));
+                new.insert(id);
+                *lanes += node.held();
+                nodes.push(node);
+                id
             }
         }
     }

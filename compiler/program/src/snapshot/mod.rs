@@ -38,7 +38,7 @@ enum Ink<'a> {
 impl CompiledTask {
     /// What the task means, section by section: terms, weights, ranges, ends, channels, scene and initial state.
     pub fn snapshot(&self) -> Snapshot {
-        let mut sections = self.frame_sections();
+        let mut sections = self.frame_sections(&body_digest(&self.body));
         for phase in self.phases.iter() {
             let names = Names { task: self, phase };
             self.phase_sections(phase, &names, &mut Ink::Local, &mut sections);
@@ -46,10 +46,11 @@ impl CompiledTask {
         Snapshot { sections }
     }
 
-    /// SHA-256 of what the task and its body mean, where models lie on the disk left out, in an encoding of its own.
-    pub fn content_hash(&self) -> String {
+    /// SHA-256 of what the task and its body mean, where models lie on the disk left out, in an encoding of its own. `body` is the
+    /// [`body_digest`] of its body, which many tasks have in common.
+    pub fn content_hash(&self, body: &str) -> String {
         let mut text = format!("{}\n", encoding::VERSION);
-        for section in self.frame_sections() {
+        for section in self.frame_sections(body) {
             meant(&section, &mut text);
         }
         for phase in self.phases.iter() {
@@ -67,10 +68,10 @@ impl CompiledTask {
     }
 
     /// What does not belong to a phase.
-    fn frame_sections(&self) -> Vec<Section> {
+    fn frame_sections(&self, body: &str) -> Vec<Section> {
         let mut head = Section::new("task", &self.name)
             .field("family", &self.family)
-            .field("body", format!("{} {}", self.body.name, body_digest(&self.body)))
+            .field("body", format!("{} {body}", self.body.name))
             .field("control", format!("{} Hz", self.control_frequency))
             .field("horizon", format!("{} steps", self.horizon))
             .field("symmetric", self.symmetric);
@@ -249,7 +250,7 @@ fn own_graph(phase: &Phase, names: &dyn Labels, node: NodeId) -> Vec<String> {
 }
 
 /// A short hash of a body: of everything in its file, but not of where the model lies.
-fn body_digest(body: &BodyDescription) -> String {
+pub fn body_digest(body: &BodyDescription) -> String {
     let mut hash = sha256(encoding::body(body).as_bytes());
     hash.truncate(16);
     hash

@@ -10,6 +10,8 @@ use crate::check::types::ElementType;
 use crate::check::value::{TypedValue, Value};
 use crate::diagnostics::codes;
 use crate::scene::Terrain;
+use crate::syntax::tree::walk::{Visitor, walk_expression};
+use crate::syntax::tree::{Expr, ExprKind};
 
 /// Samples of one height field.
 const MOST: f64 = 10_000.0;
@@ -50,7 +52,9 @@ impl<'a> Checker<'a> {
         let formula = self.field_value(field)?;
         let mut heights = Vec::with_capacity(samples[0] * samples[1]);
         let mut varies = false;
-        for [x, y] in places(size, samples) {
+        // A wall of waves or steps has the same heights in all rows.
+        let rows = if names(formula, "y") { samples[1] } else { 1 };
+        for [x, y] in places(size, samples).take(samples[0] * rows) {
             let height = self.with_coordinates(x, y, |checker| checker.field_number(formula, Dimension::LENGTH, "`height`"))?;
             heights.push(height.value);
             varies |= height.drawn.is_some();
@@ -60,6 +64,7 @@ impl<'a> Checker<'a> {
                 return Err(self.report(diagnostic.help("fewer samples, or a formula without a random")));
             }
         }
+        let heights = heights.repeat(samples[1] / rows);
         if varies {
             drawn.push((SceneField::Shape(ShapeField::Heights(size, samples)), formula));
         }
@@ -84,4 +89,25 @@ pub(in crate::check) fn places(size: [f64; 2], samples: [usize; 2]) -> impl Iter
     let step = |extent: f64, count: usize, index: usize| extent * index as f64 / (count - 1) as f64;
     let row = move |row: usize| step(size[1], samples[1], row) - 0.5 * size[1];
     (0..samples[1]).flat_map(move |y| (0..samples[0]).map(move |x| [step(size[0], samples[0], x), row(y)]))
+}
+
+/// Whether a word stands in a formula as a name, or in the braces of one.
+fn names(formula: &Expr, word: &str) -> bool {
+    struct Search<'w> {
+        word: &'w str,
+        found: bool,
+    }
+    impl<'a> Visitor<'a> for Search<'_> {
+        fn expression(&mut self, expression: &'a Expr) {
+            let (ExprKind::Name(name) | ExprKind::Field { name, .. }) = &expression.kind else {
+                return walk_expression(self, expression);
+            };
+            let inside = |character: char| character.is_ascii_alphanumeric() || character == '_';
+            self.found |= name.text.split(|character| !inside(character)).any(|part| part == self.word);
+            walk_expression(self, expression);
+        }
+    }
+    let mut search = Search { word, found: false };
+    search.expression(formula);
+    search.found
 }

@@ -44,7 +44,6 @@ impl Builder<'_> {
         let mut parts = pair.clone().into_inner().peekable();
         while let Some(part) = parts.next() {
             let span = self.span(&part);
-            let after_operand = matches!(pieces.last(), Some(Piece::Operand(_) | Piece::InFrame(..)));
             let piece = match part.as_rule() {
                 Rule::postfixed => {
                     let mut operand = self.postfixed(&part);
@@ -63,18 +62,20 @@ impl Builder<'_> {
                     }
                     Piece::Operand(signed(sign.take(), operand))
                 }
-                Rule::minus if !after_operand => {
+                Rule::minus => {
                     sign = Some(span);
                     continue;
                 }
                 Rule::kw_not => Piece::Not(span),
                 Rule::kw_and => Piece::Logic(BinaryOperator::And, span),
                 Rule::kw_or => Piece::Logic(BinaryOperator::Or, span),
-                Rule::plus => Piece::Sum(BinaryOperator::Add, span),
-                Rule::minus => Piece::Sum(BinaryOperator::Subtract, span),
-                Rule::times => Piece::Product(BinaryOperator::Multiply, span),
-                Rule::divide => Piece::Product(BinaryOperator::Divide, span),
-                Rule::comparison => Piece::Compare(compare_operator(&part), span),
+                Rule::operator => match part.as_str() {
+                    "+" => Piece::Sum(BinaryOperator::Add, span),
+                    "-" => Piece::Sum(BinaryOperator::Subtract, span),
+                    "*" => Piece::Product(BinaryOperator::Multiply, span),
+                    "/" => Piece::Product(BinaryOperator::Divide, span),
+                    _ => Piece::Compare(compare_operator(&part), span),
+                },
                 Rule::frame => Piece::InFrame(self.frame(&part), span),
                 _ => continue,
             };
