@@ -67,6 +67,29 @@ fn a_plan_does_what_the_reward_asks_for() {
 }
 
 #[test]
+fn a_planner_that_avoids_success_earns_without_it() {
+    let parts = [("horizon 200 steps", "horizon 60 steps"), ("success survived", "success elbow_flexion_r.q > 0.5 rad")];
+    let mut environment = rewarded(BENT, &parts);
+    let targets = Targets { joints: vec!["elbows".into()], arm_range: 1.2, ..Targets::default() };
+    let settings = Settings { targets, samples: 16, horizon: 0.3, noise: 0.5, ..quick() };
+    let mut ends = |settings: &Settings| {
+        environment.reset(KEY);
+        planned(&mut environment, settings, 60);
+        (environment.success(), environment.episode().total())
+    };
+    let (succeeds, _) = ends(&settings);
+    let (avoids, earned) = ends(&Settings { avoid_success: true, ..settings.clone() });
+    assert!(succeeds && !avoids && earned > 5.0, "{earned}");
+}
+
+#[test]
+fn a_seed_of_its_own_changes_what_a_planner_draws() {
+    let seeded = |seed: u64| planned(&mut rewarded(BENT, &[]), &Settings { seed, ..quick() }, 6);
+    assert!(seeded(0) == planned(&mut rewarded(BENT, &[]), &quick(), 6));
+    assert!(seeded(1) != seeded(0) && seeded(1) != seeded(2));
+}
+
+#[test]
 fn every_method_and_space_plans_and_no_number_of_threads_changes_a_bit() {
     let choices = [
         ("control 100 Hz", SpaceChoice::Targets, Method::Cem, ActsOn::Muscles),

@@ -29,6 +29,8 @@ pub(crate) struct Extent {
     pub hold: u32,
     /// Whether controllers share forces out roughly.
     pub rough: bool,
+    /// Whether ending with success is a failure.
+    pub avoid_success: bool,
     /// Whether it is measured how well the body is balanced at the end.
     pub balance: bool,
     /// The entry that asks for nothing.
@@ -161,7 +163,7 @@ impl Memory {
                 let action = Action { acts_on, entries: action };
                 goes_on.then_some(Member { engine, episode, rates, weights, action })
             }));
-            lanes.iter_mut().for_each(|lane| lane.note(step, horizon));
+            lanes.iter_mut().for_each(|lane| lane.note(step, extent));
         }
         if extent.balance {
             for (index, lane) in lanes.iter_mut().enumerate().filter(|(_, lane)| lane.goes_on()) {
@@ -208,13 +210,15 @@ impl Lane {
     }
 
     /// Adds the step that was taken to the trace.
-    fn note(&mut self, step: u32, horizon: u32) {
+    fn note(&mut self, step: u32, Extent { steps: [horizon, _], avoid_success, .. }: Extent) {
         let Self { episode, trace, .. } = self;
         // One that had ended before has taken no step.
         if trace.failed || trace.steps != step {
             return;
         }
-        trace.failed = matches!(episode.ending(), Some(Ending::Terminated(_) | Ending::Fault(_)));
+        let succeeds = episode.ending().is_some() && episode.report().success;
+        let failed = matches!(episode.ending(), Some(Ending::Terminated(_) | Ending::Fault(_)));
+        trace.failed = failed || (avoid_success && succeeds);
         if matches!(episode.ending(), Some(Ending::Fault(_))) {
             trace.steps += 1;
             return;

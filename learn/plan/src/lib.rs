@@ -26,4 +26,4 @@ mod value;
 pub use msk_settings::SettingsError;
 pub use planner::Planner;
 pub use settings::{Along, Interpolation, Method, Preset, Settings, SpaceChoice, Targets};
-pub use source::source;
+pub use source::{source, sources_without_success};

@@ -87,7 +87,8 @@ impl Planning {
             Some(before) if before.engine.is(context.engine) => before.imaginer,
             _ => Imaginer::new(context.engine.imagining(settings.coarseness).map_err(|error| error.to_string())?),
         };
-        let extent = Extent { steps, hold: settings.hold, rough: settings.rough, balance: false, rest, follow };
+        let Settings { hold, rough, avoid_success, .. } = *settings;
+        let extent = Extent { steps, hold, rough, avoid_success, balance: false, rest, follow };
         let shown = Space::demonstrated(context, settings.space, &settings.targets)?;
         let shown = shown.filter(|shown| stays_up(context, shown, &imaginer, extent, stop));
         Ok(Self {
@@ -144,10 +145,11 @@ impl Planning {
         let fading = plan.fading(self.extent.rest);
         let idle = Curve { values: vec![self.extent.rest; plan.values.len()], ..plan.clone() };
         let noise = Noise { colour: settings.colour, part: settings.part };
+        let own = if settings.seed == 0 { String::new() } else { format!("seed {}/", settings.seed) };
         let around = [plan, mean, plan, mean, plan, mean, plan, &idle];
         let mut plans = vec![plan.clone(), idle.clone(), mean.clone(), fading];
         plans.extend((4..settings.samples).map(|index| {
-            let mut stream = Stream::new(context.key, &format!("policy/plan/{}/{round}/{index}", context.step));
+            let mut stream = Stream::new(context.key, &format!("policy/plan/{own}{}/{round}/{index}", context.step));
             noise.propose(index, around[index % around.len()], deviation, &mut stream)
         }));
         plans

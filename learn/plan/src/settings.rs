@@ -164,6 +164,10 @@ pub struct Settings {
     pub rough: bool,
     /// Physics steps of the task in one of imagined episodes.
     pub coarseness: u32,
+    /// Seed of the planner's own chance, beside that of the episode.
+    pub seed: u64,
+    /// Whether an episode that ends with success counts as failed: what else does the reward ask for?
+    pub avoid_success: bool,
     /// What is moved where a plan decides targets.
     pub targets: Targets,
 }
@@ -204,6 +208,8 @@ impl Settings {
             hold: 2,
             rough: true,
             coarseness: 5,
+            seed: 0,
+            avoid_success: false,
             targets: Targets::default(),
         };
         match preset {

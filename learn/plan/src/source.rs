@@ -46,13 +46,36 @@ pub fn source(text: &str) -> Option<Result<PolicySource, PolicyError>> {
     (word == "plan").then(|| named(rest.trim()))
 }
 
+/// Planners that look for what else than success the reward asks for: one for each seed, of the planner that `text` names as [`source`] does.
+/// `None` if it names none.
+///
+/// # Errors
+/// As [`source`].
+pub fn sources_without_success(text: &str, seeds: impl Iterator<Item = u64>) -> Option<Result<Vec<PolicySource>, PolicyError>> {
+    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+    let made = |(name, settings): (String, Settings)| {
+        let maker = |seed: u64| {
+            let settings = Settings { seed, avoid_success: true, ..settings.clone() };
+            let name = format!("{name}, seed {seed}, without success");
+            PolicySource::made(name.clone(), Arc::new(Maker { name, settings }))
+        };
+        seeds.map(maker).collect()
+    };
+    (word == "plan").then(|| settings_of(rest.trim()).map(made))
+}
+
 fn named(rest: &str) -> Result<PolicySource, PolicyError> {
+    let (name, settings) = settings_of(rest)?;
+    Ok(PolicySource::made(name.clone(), Arc::new(Maker { name, settings })))
+}
+
+/// The settings of a preset or a file, with the name of the planner that has them.
+fn settings_of(rest: &str) -> Result<(String, Settings), PolicyError> {
     let rest = if rest.is_empty() { "fast" } else { rest };
-    let (name, settings) = match Preset::ALL.into_iter().find(|(name, _)| *name == rest) {
+    Ok(match Preset::ALL.into_iter().find(|(name, _)| *name == rest) {
         Some((name, preset)) => (format!("plan {name}"), Settings::of(preset)),
         None => read(rest)?,
-    };
-    Ok(PolicySource::made(name.clone(), Arc::new(Maker { name, settings })))
+    })
 }
 
 fn read(path: &str) -> Result<(String, Settings), PolicyError> {

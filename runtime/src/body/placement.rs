@@ -114,4 +114,13 @@ impl Body {
         let roll = Matrix3::new(1.0, 0.0, 0.0, 0.0, cos, -sin, 0.0, sin, cos);
         yaw * pitch * roll * self.root.axes.transpose()
     }
+
+    /// Heading, pitch and roll, rad, of a root that is turned so: those that [`facing`](Self::facing) turns it by. Where it looks straight up or
+    /// down, heading and roll are one turn.
+    pub fn turns(&self, orientation: [f64; 4]) -> [f64; 3] {
+        let turned = rotation::matrix(orientation) * self.root.axes;
+        let level = libm::hypot(turned[(0, 0)], turned[(1, 0)]);
+        let heading = libm::atan2(turned[(1, 0)], turned[(0, 0)]);
+        [heading, libm::atan2(-turned[(2, 0)], level), libm::atan2(turned[(2, 1)], turned[(2, 2)])]
+    }
 }

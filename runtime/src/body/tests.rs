@@ -214,6 +214,18 @@ fn a_body_faces_its_heading_and_stands_upright() {
 }
 
 #[test]
+fn heading_pitch_and_roll_are_read_back_from_the_orientation() {
+    for [heading, pitch, roll] in [[0.3, 0.0, 0.0], [-3.0, 1.2, 0.4], [2.0, -1.5, -3.0], [0.0, 0.0, 3.1]] {
+        let placement = RootPlacement { heading, pitch, roll, ..RootPlacement::default() };
+        let (_, body, state, _) = placed("neutral", &placement);
+        let (first, _) = body.root.free.unwrap();
+        let found = body.turns(core::array::from_fn(|part| state.position[first + 3 + part]));
+        let missed = found.iter().zip([heading, pitch, roll]).map(|(found, set)| (found - set).abs());
+        assert!(missed.fold(0.0, f64::max) < 1e-12, "{found:?}");
+    }
+}
+
+#[test]
 fn a_body_lies_on_its_front_or_its_side() {
     let axes = |placement: RootPlacement| {
         let (_, body, _, workspace) = placed("neutral", &placement);
