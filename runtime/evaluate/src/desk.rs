@@ -29,6 +29,11 @@ impl<'a> Desk<'a> {
         self.order.claim()
     }
 
+    /// Hands out the first episode of a task that `fits`, if there is one within reach.
+    pub fn claim_of(&mut self, fits: &dyn Fn(usize) -> bool) -> Option<Job> {
+        self.order.claim_of(fits)
+    }
+
     /// Keeps an episode that has ended. Gives whether somebody wants to know.
     ///
     /// # Errors

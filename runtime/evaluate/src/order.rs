@@ -7,7 +7,7 @@
 use super::EpisodeRecord;
 use super::episode_set::{EpisodeSet, Job};
 use super::shard::Shard;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How far episodes may be begun before the first that has not entered.
 const WINDOW: u64 = 512;
@@ -43,6 +43,8 @@ pub(super) struct Order {
     done: EpisodeSet,
     /// The next to be handed out.
     next: Job,
+    /// Handed out before those in front of them.
+    ahead: BTreeSet<Job>,
     /// The first that has neither entered nor is given up.
     due: Job,
     /// Ended before their turn.
@@ -54,7 +56,7 @@ pub(super) struct Order {
 impl Order {
     /// Of `tasks` tasks with so many episodes each, or a shard of these, of which some are in the journal and some have ended early.
     pub fn new((tasks, episodes): (usize, u64), shard: Shard, done: EpisodeSet, held: BTreeMap<Job, EpisodeRecord>) -> Self {
-        Self { tasks, episodes, shard, done, next: (0, 0), due: (0, 0), held, skipped: BTreeMap::new() }
+        Self { tasks, episodes, shard, done, next: (0, 0), ahead: BTreeSet::new(), due: (0, 0), held, skipped: BTreeMap::new() }
     }
 
     /// Episodes that are still to be played.
@@ -74,17 +76,43 @@ impl Order {
         // What had ended early in an earlier attempt may have entered without being handed out.
         self.next = self.next.max(self.due);
         while let Some(job) = self.within(self.next) {
-            if self.done.contains(job) || self.held.contains_key(&job) || self.is_given_up(job) {
+            if !self.ahead.remove(&job) && self.is_wanted(job) {
+                if self.is_beyond(job) {
+                    return Turn::Wait;
+                }
                 self.next = (job.0, job.1 + 1);
-                continue;
-            }
-            if self.number(job) - self.number(self.due) >= WINDOW {
-                return Turn::Wait;
+                return Turn::Play(job);
             }
             self.next = (job.0, job.1 + 1);
-            return Turn::Play(job);
         }
         Turn::Over
+    }
+
+    /// Hands out the first episode of a task that `fits`, if there is one within reach.
+    pub fn claim_of(&mut self, fits: &dyn Fn(usize) -> bool) -> Option<Job> {
+        let mut next = self.next.max(self.due);
+        while let Some(job) = self.within(next).filter(|job| !self.is_beyond(*job)) {
+            if !fits(job.0) {
+                next = (job.0 + 1, 0);
+                continue;
+            }
+            if !self.ahead.contains(&job) && self.is_wanted(job) {
+                self.ahead.insert(job);
+                return Some(job);
+            }
+            next = (job.0, job.1 + 1);
+        }
+        None
+    }
+
+    /// Whether an episode has not ended yet, and somebody wants to know how it does.
+    fn is_wanted(&self, job: Job) -> bool {
+        !self.done.contains(job) && !self.held.contains_key(&job) && !self.is_given_up(job)
+    }
+
+    /// Whether others are too far behind for an episode to begin.
+    fn is_beyond(&self, job: Job) -> bool {
+        self.number(job) - self.number(self.due) >= WINDOW
     }
 
     /// Whether nobody wants to know how an episode ends, because its task is skipped.
@@ -177,6 +205,28 @@ mod tests {
 
     fn claimed(order: &mut Order) -> Vec<Job> {
         std::iter::from_fn(|| order.claim().job()).collect()
+    }
+
+    #[test]
+    fn an_episode_of_a_later_task_may_be_handed_out_first_and_is_so_once() {
+        let mut order = order(&[(1, 0)]);
+        let second = |task: usize| task == 1;
+        assert_eq!(order.claim().job(), Some((0, 0)));
+        assert_eq!(
+            [order.claim_of(&second), order.claim_of(&second), order.claim_of(&second)],
+            [Some((1, 1)), Some((1, 2)), None]
+        );
+        order.end((1, 1), record(1, 1));
+        let rest: Vec<Option<Job>> = (0..3).map(|_| order.claim().job()).collect();
+        assert_eq!(rest, [Some((0, 1)), Some((0, 2)), None]);
+        // What was handed out last enters first.
+        for job in [(1, 2), (0, 2), (0, 0)] {
+            order.end(job, record(job.0, job.1));
+        }
+        assert_eq!(ready(&mut order), [(0, 0)]);
+        order.end((0, 1), record(0, 1));
+        assert_eq!(ready(&mut order), [(0, 1), (0, 2), (1, 1), (1, 2)]);
+        assert!(order.is_complete());
     }
 
     #[test]

@@ -45,8 +45,6 @@ struct Worker<'c, 'a> {
     seats: [Option<Seat<'c>>; WIDTH],
     /// Policies that have no episode.
     policies: Vec<Box<dyn Policy + 'c>>,
-    /// A job of another model than that of the present episodes.
-    held: Option<Job>,
 }
 
 /// An episode that is played, in a lane.
@@ -105,7 +103,7 @@ impl<'a> Crew<'a> {
 
     /// Plays episodes, those of the plan in order, until there are none, the run is stopped, or a worker fails.
     pub fn work(&self) {
-        let mut worker = Worker { crew: self, scratch: None, seats: Default::default(), policies: Vec::new(), held: None };
+        let mut worker = Worker { crew: self, scratch: None, seats: Default::default(), policies: Vec::new() };
         // Those that ended before their turn in an earlier attempt may be due. The desk must be free before the worker plays.
         let entered = self.desk().enter();
         if let Err(error) = entered.map_err(EvaluationError::from).and_then(|()| worker.play()) {
@@ -162,25 +160,25 @@ impl<'c> Worker<'c, '_> {
         }
     }
 
-    /// Begins episodes in free lanes, as far as there are jobs that go with those that are played. Gives whether there will be more.
+    /// Begins episodes in free lanes, as far as there are jobs that go with those that are played, those of later tasks too: full lanes
+    /// take less time. Gives whether there will be more.
     fn fill(&mut self) -> Result<bool, EvaluationError> {
-        for lane in 0..self.crew.width {
+        let crew = self.crew;
+        for lane in 0..crew.width {
             while self.seats[lane].is_none() {
-                let turn = self.held.take().map_or_else(|| self.crew.desk().claim(), Turn::Play);
-                let job = match turn {
-                    Turn::Play(job) => job,
-                    Turn::Wait => return Ok(true),
-                    Turn::Over => return Ok(false),
+                let job = match self.seats.iter().flatten().next().map(|seat| seat.engine) {
+                    Some(present) => {
+                        let fits = |task: usize| crew.engines.get(&task).is_some_and(|engine| engine.goes_with(present));
+                        let Some(job) = crew.desk().claim_of(&fits) else { return Ok(true) };
+                        job
+                    }
+                    None => match crew.desk().claim() {
+                        Turn::Play(job) => job,
+                        Turn::Wait => return Ok(true),
+                        Turn::Over => return Ok(false),
+                    },
                 };
-                if self.crew.desk().order().is_given_up(job) {
-                    continue;
-                }
-                let engine = &self.crew.engines[&job.0];
-                if self.seats.iter().flatten().any(|seat| !seat.engine.goes_with(engine)) {
-                    self.held = Some(job);
-                    return Ok(true);
-                }
-                self.begin(lane, job, engine)?;
+                self.begin(lane, job, &crew.engines[&job.0])?;
             }
         }
         Ok(true)
