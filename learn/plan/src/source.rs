@@ -42,8 +42,8 @@ impl PolicyMaker for Maker {
 /// # Errors
 /// A file that cannot be read, or settings that make no sense.
 pub fn source(text: &str) -> Option<Result<PolicySource, PolicyError>> {
-    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-    (word == "plan").then(|| named(rest.trim()))
+    let made = |(name, settings): (String, Settings)| PolicySource::made(name.clone(), Arc::new(Maker { name, settings }));
+    Some(settings_of(settings_named(text)?).map(made))
 }
 
 /// Planners that look for what else than success the reward asks for: one for each seed, of the planner that `text` names as [`source`] does.
@@ -52,7 +52,6 @@ pub fn source(text: &str) -> Option<Result<PolicySource, PolicyError>> {
 /// # Errors
 /// As [`source`].
 pub fn sources_without_success(text: &str, seeds: impl Iterator<Item = u64>) -> Option<Result<Vec<PolicySource>, PolicyError>> {
-    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     let made = |(name, settings): (String, Settings)| {
         let maker = |seed: u64| {
             let settings = Settings { seed, avoid_success: true, ..settings.clone() };
@@ -61,12 +60,13 @@ pub fn sources_without_success(text: &str, seeds: impl Iterator<Item = u64>) -> 
         };
         seeds.map(maker).collect()
     };
-    (word == "plan").then(|| settings_of(rest.trim()).map(made))
+    Some(settings_of(settings_named(text)?).map(made))
 }
 
-fn named(rest: &str) -> Result<PolicySource, PolicyError> {
-    let (name, settings) = settings_of(rest)?;
-    Ok(PolicySource::made(name.clone(), Arc::new(Maker { name, settings })))
+/// What stands behind `plan`; `None` if `text` names no planner.
+fn settings_named(text: &str) -> Option<&str> {
+    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+    (word == "plan").then(|| rest.trim())
 }
 
 /// The settings of a preset or a file, with the name of the planner that has them.
