@@ -26,7 +26,7 @@ fn rewarded(reward: &str, parts: &[(&str, &str)]) -> Environment {
 
 /// As little as shows what planning does.
 fn quick() -> Settings {
-    Settings { horizon: 0.2, tail: 0.0, samples: 8, first_rounds: 1, replan: 4, ..Settings::of(Preset::Fast) }
+    Settings { look: 0.0, horizon: 0.2, tail: 0.0, samples: 8, first_rounds: 1, replan: 4, ..Settings::of(Preset::Fast) }
 }
 
 /// Steps with a policy; gives the actions.
@@ -64,6 +64,16 @@ fn a_plan_does_what_the_reward_asks_for() {
     play(&mut environment, policy::create("cmc").unwrap().as_mut(), 80);
     let still = environment.episode().total();
     assert!(bent > 3.0 * still && bent > 30.0, "{bent} with a plan, {still} without");
+}
+
+#[test]
+fn a_planner_walks_where_that_earns_most() {
+    let mut environment =
+        rewarded("1 onward = clip(com.velocity.x / 1 m/s, 0, 1)", &[("horizon 200 steps", "horizon 300 steps")]);
+    let settings = Settings { look: 2.0, horizon: 0.3, replan: 25, ..quick() };
+    planned(&mut environment, &settings, 250);
+    let earned = environment.episode().total();
+    assert!(environment.ending().is_none() && earned > 40.0, "{earned} of 250 at 1 m/s: {:?}", environment.ending());
 }
 
 #[test]

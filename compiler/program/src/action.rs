@@ -66,6 +66,9 @@ pub struct TrackingOffsets {
     /// The natural logarithm of the factor by which balance, and feet at rest, count more or less against the joints; 0 if they do as
     /// ever. The language has no word for it; planners use it.
     pub priorities: f64,
+    /// How fast the body walks forward and to its left, m/s, and turns to the left, rad/s. All 0 where it stays or follows something, else the
+    /// controller is a gait, which steps wherever balance needs it. The language has no word for it; planners use it.
+    pub walk: [f64; 3],
 }
 
 /// A controller that acts beside a policy.
@@ -172,7 +175,9 @@ impl ActionSpace {
                 let moved = |range: f64, of: &'static str| axes(of).into_iter().filter(move |_| range > 0.0);
                 let joints = offsets.joints.iter().map(joint);
                 let priorities = ["balance", "feet"].into_iter().filter(|_| offsets.priorities > 0.0).map(str::to_owned);
-                joints.chain(moved(offsets.center_of_mass, "com")).chain(moved(offsets.root, "root")).chain(priorities).collect()
+                let walk = ["forward", "left", "turn"].into_iter().filter(|_| offsets.walks()).map(|axis| format!("walk.{axis}"));
+                let axes = moved(offsets.center_of_mass, "com").chain(moved(offsets.root, "root"));
+                joints.chain(axes).chain(walk).chain(priorities).collect()
             }
         }
     }
@@ -190,6 +195,12 @@ impl TrackingOffsets {
     /// Number of entries that they take.
     pub fn size(&self) -> usize {
         let axes = |range: f64| if range > 0.0 { 3 } else { 0 };
-        self.joints.len() + axes(self.center_of_mass) + axes(self.root) + if self.priorities > 0.0 { 2 } else { 0 }
+        let (walk, priorities) = (if self.walks() { 3 } else { 0 }, if self.priorities > 0.0 { 2 } else { 0 });
+        self.joints.len() + axes(self.center_of_mass) + axes(self.root) + walk + priorities
+    }
+
+    /// Whether the controller is a gait.
+    pub fn walks(&self) -> bool {
+        self.walk != [0.0; 3]
     }
 }

@@ -25,7 +25,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let stage = bodies.stage(&task.body, &task.scene)?;
     let mut environment = Environment::new(stage.model, stage.body, task.clone())?;
     let source = match settings.unwrap_or("fast") {
-        built_in @ ("cmc" | "demonstration") => PolicySource::built_in(built_in)?,
+        built_in if built_in.starts_with("gait") || matches!(built_in, "cmc" | "demonstration") => {
+            PolicySource::built_in(built_in)?
+        }
         settings => msk_plan::source(&format!("plan {settings}")).ok_or("no planner")??,
     };
     let never = AtomicBool::new(false);
@@ -35,6 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     policy.reset(&environment.context())?;
     let mut action = environment.engine().action(policy.acts_on());
     let start = Instant::now();
+    let begin = environment.context().state.position.clone();
     while environment.ending().is_none() && environment.steps() < most {
         policy.act(&environment.context(), &mut action.entries)?;
         environment.step(&action)?;
@@ -44,6 +47,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         none if none.is_empty() => format!("{ending:?}"),
         conditions => conditions,
     });
+    let end = environment.context().state.position.clone();
+    let away: Vec<f64> = (0..3).map(|axis| end[axis] - begin[axis]).collect();
+    eprintln!("AWAY {:.3} {:.3} {:.3}", away[0], away[1], 2.0 * libm_atan(end[6], end[3]) - 2.0 * libm_atan(begin[6], begin[3]));
     let total = environment.episode().total();
     println!(
         "{name} {}: {time:.2} s, {ending}, success {}, return {total:.0}, {:.2} per step, {:.1} s of clock time per second",
@@ -53,4 +59,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         start.elapsed().as_secs_f64() / time,
     );
     Ok(())
+}
+
+fn libm_atan(a: f64, b: f64) -> f64 {
+    a.atan2(b)
 }

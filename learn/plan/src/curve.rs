@@ -1,6 +1,7 @@
 //! Curves over time through knots: what a plan asks for at each moment of its horizon.
 
 use crate::settings::Interpolation;
+use core::ops::Range;
 use msk_physics::scalar::Real;
 
 /// Knots at equal distances in time, each with one value in [-1, 1] for every entry of an action. They reach over the horizon, and stay
@@ -20,6 +21,14 @@ impl Curve {
     /// The same value everywhere.
     pub fn constant(value: f64, knots: usize, width: usize, interpolation: Interpolation) -> Self {
         Self { values: vec![value; knots * width], width, interpolation, now: 0.0 }
+    }
+
+    /// Gives each of these entries one value at all knots.
+    pub fn hold(&mut self, entries: Range<usize>, mut value: impl FnMut() -> f64) {
+        for entry in entries {
+            let value = value();
+            self.values.iter_mut().skip(entry).step_by(self.width.max(1)).for_each(|kept| *kept = value);
+        }
     }
 
     /// Mean square of the distance of its values from `rest`.

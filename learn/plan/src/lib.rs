@@ -15,6 +15,7 @@
 
 mod curve;
 mod imagine;
+mod look;
 mod planner;
 mod proposal;
 mod search;

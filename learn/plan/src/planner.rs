@@ -2,9 +2,10 @@
 
 use crate::curve::Curve;
 use crate::imagine::{Extent, Imaginer, Present};
+use crate::look::Look;
 use crate::proposal::Noise;
 use crate::search::Search;
-use crate::settings::{Interpolation, Settings};
+use crate::settings::Settings;
 use crate::space::Space;
 use crate::value::Judge;
 use msk_runtime::action::{ControlMemory, follow_share};
@@ -75,8 +76,10 @@ impl Policy for Planner<'_> {
 impl Planning {
     fn new(context: &PolicyContext<'_>, settings: &Settings, before: Option<Self>, stop: &AtomicBool) -> Result<Self, String> {
         let space = Space::new(context, settings.space, &settings.targets)?;
-        let (width, rest) = (space.size(context), space.rest(context));
-        let steps = [settings.horizon, settings.tail].map(|time| steps(time, context.task.control_frequency));
+        let rest = space.rest(context);
+        let [horizon, tail, hold, look] = [settings.horizon, settings.tail, settings.hold, settings.look]
+            .map(|time| steps(time, context.task.control_frequency));
+        let steps = [horizon, tail];
         if steps[0] == 0 {
             let (horizon, period) = (settings.horizon, context.engine.control_period());
             return Err(format!("its horizon of {horizon} s is shorter than a control step of {period} s"));
@@ -87,15 +90,17 @@ impl Planning {
             Some(before) if before.engine.is(context.engine) => before.imaginer,
             _ => Imaginer::new(context.engine.imagining(settings.coarseness).map_err(|error| error.to_string())?),
         };
-        let Settings { hold, rough, avoid_success, .. } = *settings;
+        let Settings { rough, avoid_success, .. } = *settings;
+        let hold = hold.max(1);
         let extent = Extent { steps, hold, rough, avoid_success, balance: false, rest, follow };
-        let shown = Space::demonstrated(context, settings.space, &settings.targets)?;
-        let shown = shown.filter(|shown| stays_up(context, shown, &imaginer, extent, stop));
+        let look = Look { context, imaginer: &imaginer, extent, steps: look, stop };
+        let (space, plan) = look.choose(space, settings)?;
+        let (width, search) = (space.size(context), Search::around(plan, settings));
         Ok(Self {
             engine: context.engine.clone(),
             imaginer,
-            space: shown.unwrap_or(space),
-            search: Search::new(rest, width, settings),
+            space,
+            search,
             judge: Judge {
                 steps,
                 tail_weight: settings.tail_weight,
@@ -124,8 +129,8 @@ impl Planning {
             None => settings.first_rounds,
         };
         let name = format!("plan/{}", context.step);
-        // Who follows a motion leaves the support on purpose, and is caught by the next step.
-        let stands = context.task.followed(context.progress).is_none();
+        // Who follows a motion, or walks, leaves the support on purpose, and is caught by the next step.
+        let stands = context.task.followed(context.progress).is_none() && self.space.pace().is_empty();
         let extent = Extent { balance: stands && settings.balance_price > 0.0, ..self.extent };
         for round in 0..rounds {
             let plans = self.proposals(context, settings, round);
@@ -150,7 +155,11 @@ impl Planning {
         let mut plans = vec![plan.clone(), idle.clone(), mean.clone(), fading];
         plans.extend((4..settings.samples).map(|index| {
             let mut stream = Stream::new(context.key, &format!("policy/plan/{own}{}/{round}/{index}", context.step));
-            noise.propose(index, around[index % around.len()], deviation, &mut stream)
+            let mut plan = noise.propose(index, around[index % around.len()], deviation, &mut stream);
+            if index % 4 == 1 {
+                plan.hold(self.space.pace(), || 2.0 * stream.uniform() - 1.0);
+            }
+            plan
         }));
         plans
     }
@@ -168,19 +177,6 @@ impl Planning {
         }
     }
 }
-
-/// Whether what acts in a space stays up by itself for [`LOOK`].
-fn stays_up(context: &PolicyContext<'_>, space: &Space, imaginer: &Imaginer, extent: Extent, stop: &AtomicBool) -> bool {
-    let entries = vec![extent.rest; space.size(context)];
-    let idle = Curve::constant(extent.rest, 2, entries.len(), Interpolation::Linear);
-    let present = Present { context: *context, space, entries: &entries, name: "plan/look" };
-    let extent = Extent { steps: [steps(LOOK, context.task.control_frequency), 0], ..extent };
-    let traces = imaginer.play(&present, &[idle], extent, stop).unwrap_or_default();
-    traces.first().is_some_and(|trace| !trace.failed)
-}
-
-/// How long a demonstration has to stay up by itself to be what plans move, s. Those that fall do so within two to three seconds.
-const LOOK: f64 = 3.0;
 
 /// Control steps that come nearest to a time, s.
 fn steps(time: f64, frequency: f64) -> u32 {

@@ -16,11 +16,9 @@ pub(crate) struct Search {
 }
 
 impl Search {
-    /// A plan that asks for `rest`, with the deviation of the settings.
-    pub fn new(rest: f64, width: usize, settings: &Settings) -> Self {
-        // One knot more than the horizon has, so that it can move on between them.
-        let mean = Curve::constant(rest, settings.knots + 1, width, settings.interpolation);
-        Self { deviation: vec![settings.noise; mean.values.len()], plan: mean.clone(), mean }
+    /// Begins with a plan, and the deviation of the settings.
+    pub fn around(plan: Curve, settings: &Settings) -> Self {
+        Self { deviation: vec![settings.noise; plan.values.len()], mean: plan.clone(), plan }
     }
 
     /// Goes on by `share` of the horizon.
@@ -80,10 +78,14 @@ mod tests {
     use crate::proposal::Noise;
     use msk_runtime::episode::{EpisodeKey, Stream};
 
+    fn begun(value: f64, width: usize, settings: &Settings) -> Search {
+        Search::around(Curve::constant(value, settings.knots + 1, width, settings.interpolation), settings)
+    }
+
     /// Rounds on a value whose best plan is 0.5 in each entry.
     fn found(method: Method) -> f64 {
         let settings = Settings { method, knots: 3, elites: 4, ..Settings::default() };
-        let mut search = Search::new(0.0, 4, &settings);
+        let mut search = begun(0.0, 4, &settings);
         let value = |plan: &Curve| -plan.values.iter().map(|value| (value - 0.5) * (value - 0.5)).sum::<f64>();
         let mut stream = Stream::new(EpisodeKey { seed: 1, episode: 2 }, "search");
         for _ in 0..60 {
@@ -109,8 +111,8 @@ mod tests {
     #[test]
     fn predictive_sampling_keeps_the_present_plan_unless_another_is_better() {
         let settings = Settings { method: Method::Predictive, ..Settings::default() };
-        let mut search = Search::new(0.0, 2, &settings);
-        let plans = [search.plan.clone(), Search::new(0.5, 2, &settings).mean];
+        let mut search = begun(0.0, 2, &settings);
+        let plans = [search.plan.clone(), begun(0.5, 2, &settings).mean];
         search.update(&plans, &[1.0, 1.0], &settings);
         assert_eq!(search.plan, plans[0]);
         search.update(&plans, &[1.0, 1.1], &settings);

@@ -76,6 +76,8 @@ pub struct Targets {
     pub root: f64,
     /// Largest factor by which balance and resting feet count more or less against the joints; 1 where they count as ever.
     pub priority_factor: f64,
+    /// Largest speeds of a gait forward and to the left, m/s, and of its turn, rad/s.
+    pub pace: [f64; 3],
     /// What has the targets that are moved.
     pub along: Along,
 }
@@ -84,13 +86,16 @@ pub struct Targets {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Along {
-    /// The task's reference motion, where it has one; else its demonstration, where that succeeds whatever is drawn; else the initial pose.
+    /// Whichever of the others earns most by itself in the first seconds: the demonstration counts where the task follows no motion, and it
+    /// decides nothing that is drawn; the gait, at a few constant paces.
     #[default]
     Auto,
     /// The task's reference motion, or its initial pose.
     Reference,
     /// The task's demonstration, where it has one.
     Demonstration,
+    /// A gait, which steps wherever balance needs it: plans say how fast it walks and turns.
+    Gait,
 }
 
 impl Default for Targets {
@@ -102,6 +107,7 @@ impl Default for Targets {
             center_of_mass: 0.15,
             root: 0.4,
             priority_factor: 4.0,
+            pace: [0.8, 0.3, 0.6],
             along: Along::Auto,
         }
     }
@@ -115,6 +121,9 @@ pub struct Settings {
     pub preset: Preset,
     /// What a plan decides.
     pub space: SpaceChoice,
+    /// For how long each of what may have the targets is imagined by itself before the first plan, s: the best is followed. With 0 it is the task's
+    /// reference motion, or its initial pose.
+    pub look: f64,
     /// How plans are improved.
     pub method: Method,
     /// How far a plan reaches, s.
@@ -158,8 +167,8 @@ pub struct Settings {
     pub elites: usize,
     /// By how much of the better half's spread a plan may be worse before `mppi` weights it down by e.
     pub temperature: f64,
-    /// Imagined control steps for which muscles keep what was asked of them.
-    pub hold: u32,
+    /// For how long muscles keep what was asked of them in imagined episodes, in whole control steps, s.
+    pub hold: f64,
     /// Whether computed muscle control shares forces out roughly in imagined episodes, in less time.
     pub rough: bool,
     /// Physics steps of the task in one of imagined episodes.
@@ -184,6 +193,7 @@ impl Settings {
         let fast = Self {
             preset,
             space: SpaceChoice::Auto,
+            look: 3.0,
             method: Method::Cem,
             horizon: 0.6,
             tail: 0.2,
@@ -205,7 +215,7 @@ impl Settings {
             decay: 0.95,
             elites: 4,
             temperature: 0.5,
-            hold: 2,
+            hold: 0.02,
             rough: true,
             coarseness: 5,
             seed: 0,
@@ -232,7 +242,9 @@ impl Settings {
     /// Whether every number lies where it makes sense.
     fn check(&self, text: &str) -> Result<(), SettingsError> {
         let checked = Checked::of(text);
-        let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 18] = [
+        let [forward, left, turn] = self.targets.pace;
+        let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 23] = [
+            ("look", self.look, 0.0..=10.0, "s"),
             ("horizon", self.horizon, 0.01..=10.0, "s"),
             ("tail", self.tail, 0.0..=10.0, "s"),
             ("tail_weight", self.tail_weight, 0.0..=1000.0, ""),
@@ -240,6 +252,7 @@ impl Settings {
             ("balance_price", self.balance_price, 0.0..=1000.0, "s"),
             ("change_price", self.change_price, 0.0..=1000.0, ""),
             ("smooth", self.smooth, 0.0..=10.0, "s"),
+            ("hold", self.hold, 0.0..=1.0, "s"),
             ("noise", self.noise, 1e-3..=2.0, ""),
             ("least_noise", self.least_noise, 0.0..=2.0, ""),
             ("colour", self.colour, 0.0..=0.999, ""),
@@ -250,19 +263,21 @@ impl Settings {
             ("arm_range", self.targets.arm_range, 0.0..=3.2, "rad"),
             ("center_of_mass", self.targets.center_of_mass, 0.0..=1.0, "m"),
             ("root", self.targets.root, 0.0..=3.2, "rad"),
+            ("pace", forward, 0.01..=2.0, "m/s"),
+            ("pace", left, 0.01..=1.0, "m/s"),
+            ("pace", turn, 0.01..=2.0, "rad/s"),
             ("priority_factor", self.targets.priority_factor, 1.0..=100.0, ""),
         ];
         for (key, found, range, unit) in numbers {
             checked.number(key, found, range, unit)?;
         }
-        let counts: [(&'static str, usize, RangeInclusive<usize>); 8] = [
+        let counts: [(&'static str, usize, RangeInclusive<usize>); 7] = [
             ("samples", self.samples, 4..=4096),
             ("rounds", self.rounds as usize, 1..=100),
             ("first_rounds", self.first_rounds as usize, 1..=1000),
             ("replan", self.replan as usize, 1..=1000),
             ("knots", self.knots, 2..=64),
             ("elites", self.elites, 1..=4096),
-            ("hold", self.hold as usize, 1..=100),
             ("coarseness", self.coarseness as usize, 1..=10),
         ];
         counts.into_iter().try_for_each(|(key, found, range)| checked.count(key, found, range))

@@ -10,6 +10,7 @@ use msk_runtime::body::Body;
 use msk_runtime::policy::PolicyContext;
 use std::collections::BTreeMap;
 use std::iter;
+use std::ops::Range;
 
 /// How the entries of a plan become actions of an episode.
 #[derive(Debug, Clone)]
@@ -28,6 +29,8 @@ pub(crate) struct Moved {
     shares: Vec<f64>,
     /// The products.
     entries: Vec<f64>,
+    /// Those that say how fast a gait goes; empty without one.
+    pace: Range<usize>,
 }
 
 impl Space {
@@ -49,7 +52,8 @@ impl Space {
         let size = controls.space().size(context.body.muscles.len());
         // Joints come first; what follows them has its whole range.
         let shares: Vec<f64> = shares.into_iter().chain(iter::repeat(1.0)).take(size).collect();
-        Ok(Self::Other(Box::new(Moved { controls, entries: vec![0.0; size], shares })))
+        let pace = paces(controls.space());
+        Ok(Self::Other(Box::new(Moved { controls, entries: vec![0.0; size], shares, pace })))
     }
 
     /// The space of the task's demonstration, where settings leave open whether it is followed, and it may lead to success: the task follows
@@ -58,17 +62,27 @@ impl Space {
     /// # Errors
     /// As with [`new`](Self::new).
     pub fn demonstrated(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> Result<Option<Self>, String> {
-        let moves_targets = match choice {
-            SpaceChoice::Auto => context.task.action.is_default(),
-            SpaceChoice::Targets => true,
-            SpaceChoice::Task | SpaceChoice::Muscles | SpaceChoice::Synergies => false,
-        };
         let follows_none = context.task.followed(context.progress).is_none();
-        let fits = moves_targets && targets.along == Along::Auto && follows_none;
+        let fits = leaves_open(context, choice, targets) && follows_none;
         if !fits || demonstrated(context).is_none_or(|take| !take.given.is_empty()) {
             return Ok(None);
         }
         Self::new(context, choice, &Targets { along: Along::Demonstration, ..targets.clone() }).map(Some)
+    }
+
+    /// The space of a gait, where settings leave open what is followed, and the body can walk.
+    pub fn walking(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> Option<Self> {
+        // A body that cannot walk says so when the gait is reset.
+        let walking = || Self::new(context, choice, &Targets { along: Along::Gait, ..targets.clone() }).ok();
+        leaves_open(context, choice, targets).then(walking).flatten()
+    }
+
+    /// Which entries of a plan say how fast a gait goes: forward, left, turn. Empty where there is none.
+    pub fn pace(&self) -> Range<usize> {
+        match self {
+            Self::Task => 0..0,
+            Self::Other(moved) => moved.pace.clone(),
+        }
     }
 
     /// Which entries the actions have that it gives to the episode.
@@ -111,7 +125,7 @@ impl Space {
                 None
             }
             Self::Other(moved) => {
-                let Moved { controls, shares, entries: shared } = moved.as_mut();
+                let Moved { controls, shares, entries: shared, .. } = moved.as_mut();
                 shared.iter_mut().zip(shares).zip(entries).for_each(|((shared, share), entry)| *shared = *share * entry);
                 Some((controls, shared))
             }
@@ -119,10 +133,34 @@ impl Space {
     }
 }
 
+/// Whether plans move targets, of whatever serves them best.
+fn leaves_open(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> bool {
+    let moves_targets = match choice {
+        SpaceChoice::Auto => context.task.action.is_default(),
+        SpaceChoice::Targets => true,
+        SpaceChoice::Task | SpaceChoice::Muscles | SpaceChoice::Synergies => false,
+    };
+    moves_targets && targets.along == Along::Auto
+}
+
+/// Which entries of an action say how fast a gait goes; they come before the two of priorities.
+fn paces(space: &ActionSpace) -> Range<usize> {
+    match &space.target {
+        ActionTarget::MuscleControl(offsets) if offsets.walks() => {
+            let end = offsets.size() - if offsets.priorities > 0.0 { 2 } else { 0 };
+            end - 3..end
+        }
+        _ => 0..0,
+    }
+}
+
 /// The targets of computed muscle control, and by which share of the range each joint is moved.
 fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace, Vec<f64>), String> {
     let range = targets.joint_range.at_least(targets.arm_range);
-    let joints = if range > 0.0 { joints(context.body, &targets.joints)? } else { Vec::new() };
+    let walks = targets.along == Along::Gait;
+    // The legs of a gait go where its feet are to be.
+    let usual = if walks { &USUAL[1..] } else { &USUAL[..] };
+    let joints = if range > 0.0 { joints(context.body, &targets.joints, usual)? } else { Vec::new() };
     let arms: Vec<usize> = ARMS.iter().filter_map(|name| group(context.body, name)).flatten().collect();
     let own_range = |joint: &usize| if arms.contains(joint) { targets.arm_range } else { targets.joint_range };
     let shares = joints.iter().map(|joint| own_range(joint) / range).collect();
@@ -132,6 +170,7 @@ fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace,
         center_of_mass: if context.body.root.free.is_some() { targets.center_of_mass } else { 0.0 },
         root: if context.body.root.free.is_some() { targets.root } else { 0.0 },
         priorities: if context.body.root.free.is_some() { libm::log(targets.priority_factor) } else { 0.0 },
+        walk: if walks { targets.pace } else { [0.0; 3] },
     };
     if offsets.size() == 0 {
         return Err("no target is left to be moved: name joints of the body in `targets.joints`".to_owned());
@@ -146,16 +185,16 @@ fn demonstrated<'a>(context: &PolicyContext<'a>) -> Option<&'a Take> {
     context.task.tests.as_ref()?.demonstrated()
 }
 
-/// The independent hinges that names of joints and of groups stand for, in the body's order; of a body without any of the usual groups,
-/// all that it has.
-fn joints(body: &Body, names: &[String]) -> Result<Vec<usize>, String> {
+/// The independent hinges that names of joints and of groups stand for, in the body's order; without names those of the usual groups; of a body
+/// without any of these, all that it has.
+fn joints(body: &Body, names: &[String], usual: &[&str]) -> Result<Vec<usize>, String> {
     let is_hinge = |index: &usize| {
         let joint = &body.joints[*index];
         joint.independent && !joint.of_scene && joint.kind == msk_physics::model::JointKind::Hinge
     };
     let hinges = || (0..body.joints.len()).filter(is_hinge);
     if names.is_empty() {
-        let usual: Vec<usize> = USUAL.iter().filter_map(|name| group(body, name)).flatten().collect();
+        let usual: Vec<usize> = usual.iter().filter_map(|name| group(body, name)).flatten().collect();
         let found: Vec<usize> = hinges().filter(|index| usual.contains(index)).collect();
         return Ok(if found.is_empty() { hinges().collect() } else { found });
     }

@@ -37,6 +37,11 @@ impl Controls {
         self.state.reset(&context.moment())
     }
 
+    /// Entries that are kept where an action of this episode gives none.
+    pub(crate) fn keep(&mut self, entries: &[f64]) {
+        self.state.entries.iter_mut().zip(entries).for_each(|(kept, entry)| *kept = *entry);
+    }
+
     /// Writes the action of each muscle that `entries` ask for, with the memory of a worker for the context's model.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ pub(crate) use excitation::action as action_for;
 pub use excitation::{REST, excitation};
 
 use crate::body::Body;
-use crate::cmc::{Along, ControlError, ControlScratch, Moment, Offsets, Present, Tracker};
+use crate::cmc::{Along, ControlError, ControlScratch, Moment, Offsets, Present, Tracker, Walk};
 use base::Base;
 use delay::Delay;
 use msk_physics::scalar::Real;
@@ -310,6 +310,7 @@ pub(crate) enum Taken {
 /// What the controller of an action space follows; `None` for a space without one.
 fn follows(space: &ActionSpace) -> Option<Along> {
     match (&space.target, &space.residual) {
+        (ActionTarget::MuscleControl(offsets), _) if offsets.walks() => Some(Along::Gait),
         (_, Some(BaseController::Demonstration)) => Some(Along::Demonstration),
         (ActionTarget::MuscleControl(_), None) | (_, Some(BaseController::MuscleControl)) => Some(Along::Reference),
         _ => None,
@@ -325,13 +326,15 @@ fn moved(targets: &TrackingOffsets, entries: &[f64]) -> Offsets {
         (true, &[balance, feet]) => [balance, feet].map(|entry| targets.priorities * entry),
         _ => [0.0; 2],
     };
-    let mut next = |range: f64| match range > 0.0 {
-        true => axes.next().map_or(Vector3::zeros(), |part| range * Vector3::from_column_slice(part)),
+    let mut next = |ranges: [f64; 3]| match ranges != [0.0; 3] {
+        true => {
+            axes.next().map_or(Vector3::zeros(), |part| Vector3::from(ranges).component_mul(&Vector3::from_column_slice(part)))
+        }
         false => Vector3::zeros(),
     };
-    let (center_of_mass, root) = (next(targets.center_of_mass), next(targets.root));
+    let (center_of_mass, root, walk) = (next([targets.center_of_mass; 3]), next([targets.root; 3]), next(targets.walk));
     let joints = targets.joints.iter().zip(joints).map(|(&joint, entry)| (joint, targets.range * entry)).collect();
-    Offsets { joints, center_of_mass, root, priorities }
+    Offsets { joints, center_of_mass, root, priorities, walk: Walk { velocity: walk.xy(), turn: walk.z } }
 }
 
 /// The share of its way that the output of a low-pass filter of first order goes in `period`, s; all of it without a time constant.

@@ -208,7 +208,7 @@ impl Snapshot<'_> {
 
     /// Velocity of the material point of `body` that is at `point`: v = v_c + ω × (p - c), where the body's spatial velocity
     /// refers to c, the centre of mass of its kinematic tree.
-    pub(super) fn velocity_of(&self, body: usize, point: Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn velocity_of(&self, body: usize, point: Vector3<f64>) -> Vector3<f64> {
         let [angular, linear] = self.workspace.velocities.body[body];
         let centre = self.workspace.kinematics.subtree_com[self.model.bodies.root[body]];
         linear + angular.cross(&(point - centre))

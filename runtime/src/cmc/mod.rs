@@ -30,6 +30,7 @@ mod compromise;
 mod coordinates;
 mod dynamics;
 mod feedback;
+mod gait;
 mod goal;
 mod group;
 mod motion;
@@ -40,9 +41,11 @@ mod support;
 #[cfg(test)]
 mod tests;
 mod tracking;
+mod turning;
 mod wishes;
 
 pub(crate) use activation::Lead;
+pub(crate) use gait::Walk;
 pub(crate) use group::{AllocationGroup, Asking};
 pub(crate) use offsets::Offsets;
 pub(crate) use scratch::ControlScratch;
@@ -53,10 +56,11 @@ use activation::Hold;
 use allocation::{Effort, Memory};
 use coordinates::Coordinates;
 use feedback::Feedback;
+use gait::Gait;
 use goal::{Course, Follower};
 use msk_physics::model::Model;
 use msk_physics::scalar::Real;
-use msk_physics::{State, Workspace};
+use msk_physics::{State, Workspace, moving_dofs};
 use nalgebra::Vector3;
 use offsets::Priority;
 use support::{Point, Support};
@@ -75,6 +79,9 @@ pub enum ControlError {
         /// Joints of the pose.
         found: usize,
     },
+    /// Nothing to walk on.
+    #[error("a gait takes a free root and two feet: a group `feet` of a left and a right landmark with shapes")]
+    NoGait,
     /// Nothing to follow.
     #[error("no test of `{task}` plays a script up to `expect success`")]
     NoDemonstration {
@@ -153,8 +160,20 @@ struct Controller {
     feedback: Feedback,
     effort: Effort,
     memory: Memory,
-    /// What is followed, and since which control step.
-    course: Option<(Follower, u32)>,
+    guide: Guide,
+}
+
+/// What says where the body shall be.
+#[derive(Debug, Clone)]
+enum Guide {
+    /// The pose with which the episode begins.
+    Pose,
+    /// Something that moves, since that control step.
+    Course {
+        follower: Follower,
+        since: u32,
+    },
+    Gait(Gait),
 }
 
 impl Controller {
@@ -168,6 +187,8 @@ impl Controller {
             return Err(ControlError::Pose { expected: body.joints.len(), found: pose.len() });
         }
         let mut support = Support::new(body);
+        let moves = support.carriers(model).into_iter().flat_map(|foot| moving_dofs(model, foot).iter().copied());
+        let legs: Vec<usize> = moves.filter(|&dof| model.dofs.body[dof] != body.root.body).collect();
         support.choose_stance(model, &workspace.kinematics);
         support.update(model, &workspace.kinematics);
         let com = workspace.kinematics.subtree_com[body.root.body];
@@ -178,21 +199,31 @@ impl Controller {
             support,
             offset,
             final_offset: offset * (1.0 - LEAN),
-            feedback: Feedback::new(body, pose, state, &workspace.kinematics),
+            feedback: Feedback::new(body, pose, &legs, state, &workspace.kinematics),
             effort: Effort::EXACT,
             memory: Memory::new(Coordinates::new(model).len()),
-            course: None,
+            guide: Guide::Pose,
         })
     }
 
     /// Follows a course from control step `since` on, or holds the pose again.
     fn follow(&mut self, course: Option<Course>, since: u32, present: &Present<'_>) {
-        let follower = course.map(|course| Follower::new(course, self.hold.duration(), present));
-        if follower.is_some() {
-            // Whatever foot the motion stands on.
-            self.support = Support::new(present.body);
-        }
-        self.course = follower.map(|follower| (follower, since));
+        self.guide = match course {
+            Some(course) => {
+                // Whatever foot the motion stands on.
+                self.support = Support::new(present.body);
+                Guide::Course { follower: Follower::new(course, self.hold.duration(), present), since }
+            }
+            None => Guide::Pose,
+        };
+    }
+
+    /// Walks from now on.
+    fn walk(&mut self, present: &Present<'_>) -> Result<(), ControlError> {
+        self.support = Support::new(present.body);
+        self.support.update(present.model, &present.workspace.kinematics);
+        self.guide = Guide::Gait(Gait::new(present, &self.support)?);
+        Ok(())
     }
 
     /// Shares forces out roughly from now on, in less time.
@@ -200,9 +231,13 @@ impl Controller {
         self.effort = Effort::ROUGH;
     }
 
-    /// What of it a later action depends on: the offset of the centre of mass, and where the search of the last allocation ended.
-    fn memory(&self) -> (Vector3<f64>, &Memory) {
-        (self.offset, &self.memory)
+    /// What of it a later action depends on: the offset of the centre of mass, where the search of the last allocation ended, and the step of a gait.
+    fn memory(&self) -> (Vector3<f64>, &Memory, Option<&Gait>) {
+        let gait = match &self.guide {
+            Guide::Gait(gait) => Some(gait),
+            Guide::Pose | Guide::Course { .. } => None,
+        };
+        (self.offset, &self.memory, gait)
     }
 
     /// Asks for the forces of control step `step`, for targets that are moved by `offsets`: they are then to be shared out.
@@ -212,17 +247,28 @@ impl Controller {
         let view = View { state, workspace, coordinates, hold: self.hold.duration() };
         self.support.update(model, &workspace.kinematics);
         self.offset += (view.hold / LEAN_TIME).at_most(1.0) * (self.final_offset - self.offset);
-        let target = self.support.centre().map(|centre| centre + self.offset);
+        let centre = self.support.centre();
         let near = |point: &Point| point.height < CONTACT_HEIGHT;
         let points = &self.support.points;
-        match &mut self.course {
-            Some((follower, since)) => {
+        let bearing = points.iter().copied().filter(near);
+        match &mut self.guide {
+            Guide::Course { follower, since } => {
                 follower.advance(step.saturating_sub(*since), present, posed);
                 let goal = &follower.goal;
                 let feet = points.iter().copied().zip(goal.rests.iter().copied()).filter(|(point, _)| near(point));
                 self.feedback.follow(&view, body, (feet, goal), offsets, wishes);
             }
-            None => self.feedback.hold(&view, body, (points.iter().copied().filter(near), target), offsets, wishes),
+            Guide::Pose => {
+                let target = centre.map(|centre| centre + self.offset);
+                self.feedback.hold(&view, body, (bearing, target, 0.0), offsets, wishes);
+            }
+            Guide::Gait(gait) => match gait.advance(present, points, &offsets.walk, (step, view.hold)) {
+                Some(step) => self.feedback.walk(&view, body, (points, &step), offsets, wishes),
+                None => {
+                    let target = centre.map(|centre| centre + turning::vector(&self.offset, gait.turned()));
+                    self.feedback.hold(&view, body, (bearing, target, gait.turned()), offsets, wishes);
+                }
+            },
         }
         muscles.reach(self.hold, &state.activation, activation::excitation_range(body.excitation), reach);
     }

@@ -1,6 +1,6 @@
 //! Offsets of the targets that the controller tracks.
 
-use super::View;
+use super::{View, gait::Walk};
 use crate::body::Body;
 use msk_physics::rotation;
 use msk_physics::scalar::Real;
@@ -17,6 +17,8 @@ pub(crate) struct Offsets {
     pub root: Vector3<f64>,
     /// How much more (or less) balance and resting feet count than usual: natural logarithms of factors of their weights.
     pub priorities: [f64; 2],
+    /// How the body shall walk, where it walks.
+    pub walk: Walk,
 }
 
 /// What counts against the joints in the compromise of wishes.

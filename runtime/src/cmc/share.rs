@@ -9,10 +9,10 @@ use super::allocation::{Allocation, Columns, Effort, Memory, Problem, Unknown};
 use super::compromise::Compromise;
 use super::coordinates::{Coordinates, Slopes};
 use super::dynamics::Dynamics;
-use super::feedback::{CENTRE, FEET};
+use super::feedback::{Law, acceleration};
 use super::motion::Moved;
-use super::support::{Point, Support};
-use super::wishes::Wishes;
+use super::support::Support;
+use super::wishes::{FootWish, Wishes};
 use super::{CONTACT_COST, CONTACT_LIMIT, CONTACT_UNIT, MUSCLE_COST, friction_pyramid};
 use crate::body::Body;
 use msk_physics::model::Model;
@@ -67,10 +67,37 @@ struct Centre<T: Real> {
     error: Vector3<T>,
     /// Of the reference: velocity, then acceleration.
     reference: [Vector3<T>; 2],
+    laws: [LaneLaw<T>; 3],
     factor: T,
 }
 
-/// A point of a foot that bears weight in some lane.
+/// A law in each lane.
+#[derive(Debug, Clone, Copy)]
+struct LaneLaw<T> {
+    stiffness: T,
+    damping: T,
+    weight: T,
+}
+
+impl<T: Real> LaneLaw<T> {
+    fn none() -> Self {
+        Self { stiffness: T::splat(0.0), damping: T::splat(0.0), weight: T::splat(0.0) }
+    }
+
+    fn set(&mut self, lane: usize, law: &Law) {
+        self.stiffness.set_lane(lane, law.stiffness);
+        self.damping.set_lane(lane, law.damping);
+        self.weight.set_lane(lane, law.weight);
+    }
+
+    /// The acceleration that it wishes for; see [`acceleration`].
+    #[inline(always)]
+    fn acceleration(&self, error: T, velocity: T, reference: [T; 2], hold: f64) -> T {
+        acceleration([self.stiffness, self.damping], error, velocity, reference, hold)
+    }
+}
+
+/// A point of a foot that bears weight or is to go somewhere in some lane.
 #[derive(Debug, Clone)]
 struct Foot<T: Real> {
     /// Which of all points of all feet it is; they stand in this order.
@@ -80,25 +107,34 @@ struct Foot<T: Real> {
     position: Vector3<T>,
     /// Forces of one unit along the edges of its friction pyramid, N; zero in lanes in which it bears none.
     edges: [Vector3<T>; 4],
-    /// Of the wish to rest, squared.
-    weight: T,
+    error: Vector3<T>,
+    /// What it is to have: velocity, then acceleration.
+    reference: [Vector3<T>; 2],
+    /// Its weight is squared.
+    law: LaneLaw<T>,
     /// How many units a force has at most.
     limit: T,
 }
 
 impl<T: Real> Foot<T> {
     fn new(key: usize, carrier: usize) -> Self {
-        let none = T::splat(0.0);
-        Self { key, carrier, position: zero(), edges: [zero(); 4], weight: none, limit: none }
+        let (error, reference, law) = (zero(), [zero(), zero()], LaneLaw::none());
+        Self { key, carrier, position: zero(), edges: [zero(); 4], error, reference, law, limit: T::splat(0.0) }
     }
 
-    fn set(&mut self, lane: usize, point: &Point, weight: f64) {
+    fn set(&mut self, lane: usize, wish: &FootWish) {
+        let FootWish { point, bears, law, error, moving, bending } = wish;
         set_lane(&mut self.position, lane, &point.position);
-        for (edge, force) in self.edges.iter_mut().zip(friction_pyramid(point)) {
-            set_lane(edge, lane, &(force * CONTACT_UNIT));
+        if *bears {
+            for (edge, force) in self.edges.iter_mut().zip(friction_pyramid(point)) {
+                set_lane(edge, lane, &(force * CONTACT_UNIT));
+            }
+            self.limit.set_lane(lane, CONTACT_LIMIT);
         }
-        self.weight.set_lane(lane, weight);
-        self.limit.set_lane(lane, CONTACT_LIMIT);
+        self.law.set(lane, law);
+        set_lane(&mut self.error, lane, error);
+        set_lane(&mut self.reference[0], lane, moving);
+        set_lane(&mut self.reference[1], lane, bending);
     }
 }
 
@@ -113,6 +149,7 @@ impl<T: Real> Share<T> {
             moved: Moved::subtree(model, &coordinates, body.root.body),
             error: zero(),
             reference: [zero(), zero()],
+            laws: [LaneLaw::none(); 3],
             factor: T::splat(0.0),
         };
         let centre = body.root.free.map(moved_root);
@@ -185,9 +222,11 @@ impl<T: Real> Share<T> {
                 set_lane(&mut centre.error, lane, &wishes.centre.error);
                 set_lane(&mut centre.reference[0], lane, &wishes.centre.moving);
                 set_lane(&mut centre.reference[1], lane, &wishes.centre.bending);
+                centre.laws.iter_mut().zip(&wishes.centre.laws).for_each(|(own, law)| own.set(lane, law));
                 centre.factor.set_lane(lane, wishes.centre.factor);
             }
-            self.count.set_lane(lane, (muscles + 4 * wishes.feet.len()) as f64);
+            let bearing = wishes.feet.iter().filter(|wish| wish.bears).count();
+            self.count.set_lane(lane, (muscles + 4 * bearing) as f64);
             self.allocation.recall(lane, member.memory);
         }
         for foot in &self.feet {
@@ -196,17 +235,18 @@ impl<T: Real> Share<T> {
         }
     }
 
-    /// Fills the points that bear weight in any lane, keys ascending.
+    /// Fills the points of feet with wishes in any lane, keys ascending.
     fn lay_out_feet(&mut self, members: &[Member<'_>]) {
         self.feet.clear();
         for member in members {
-            for (point, weight) in &member.wishes.feet {
-                let Some(carrier) = self.carriers.iter().position(|(body, _)| *body == point.body) else { continue };
-                let place = self.feet.partition_point(|foot| foot.key < point.key);
-                if self.feet.get(place).is_none_or(|foot| foot.key != point.key) {
-                    self.feet.insert(place, Foot::new(point.key, carrier));
+            for wish in &member.wishes.feet {
+                let key = wish.point.key;
+                let Some(carrier) = self.carriers.iter().position(|(body, _)| *body == wish.point.body) else { continue };
+                let place = self.feet.partition_point(|foot| foot.key < key);
+                if self.feet.get(place).is_none_or(|foot| foot.key != key) {
+                    self.feet.insert(place, Foot::new(key, carrier));
                 }
-                self.feet[place].set(member.lane, point, *weight);
+                self.feet[place].set(member.lane, wish);
             }
         }
     }
@@ -233,28 +273,27 @@ impl<T: Real> LaneWork for Fill<'_, T> {
         }
         compromise.begin(&share.wishes);
         if let Some(centre) = &mut share.centre {
-            let Centre { body, moved, error, reference: [moving, bending], factor } = centre;
+            let Centre { body, moved, error, reference: [moving, bending], laws, factor } = centre;
             moved.centre((model, workspace, slopes), *body, motion);
             let velocity = velocity(moved, motion, velocities);
             let mut wish = zero();
             let mut weight = zero();
             for axis in 0..3 {
-                wish[axis] = CENTRE[axis].acceleration(error[axis], velocity[axis], [moving[axis], bending[axis]], hold);
-                weight[axis] = *factor * T::splat(CENTRE[axis].weight);
+                wish[axis] = laws[axis].acceleration(error[axis], velocity[axis], [moving[axis], bending[axis]], hold);
+                weight[axis] = *factor * laws[axis].weight;
             }
             compromise.set_centre((moved, motion), &wish, &weight);
         }
         columns.truncate(dynamics.muscles());
-        let none = T::splat(0.0);
-        for Foot { carrier, position, edges, weight, .. } in &share.feet {
+        for Foot { carrier, position, edges, error, reference: [moving, bending], law, .. } in &share.feet {
             let (body, moved) = &share.carriers[*carrier];
             moved.point((model, &workspace.kinematics, slopes), (*body, position), motion);
             let velocity = velocity(moved, motion, velocities);
             let mut wish = zero();
             for axis in 0..3 {
-                wish[axis] = FEET.acceleration(none, velocity[axis], [none; 2], hold);
+                wish[axis] = law.acceleration(error[axis], velocity[axis], [moving[axis], bending[axis]], hold);
             }
-            compromise.add_point((moved, motion), &wish, *weight);
+            compromise.add_point((moved, motion), &wish, law.weight);
             for edge in edges {
                 let entries = moved.coordinates.iter().zip(&*motion).map(
                     #[inline(always)]

@@ -1,6 +1,7 @@
 //! Support: the points of the feet that can bear weight, and where the ground is under them.
 
 use crate::body::Body;
+use core::ops::Range;
 use msk_physics::kinematics::Kinematics;
 use msk_physics::model::{GeomKind, Model};
 use msk_physics::scalar::Real;
@@ -40,10 +41,7 @@ const STANCE: f64 = 0.01;
 impl Support {
     /// The landmarks of the body's group `feet`, or all whose names begin with `sole`, as far as they have shapes.
     pub fn new(body: &Body) -> Self {
-        let group = body.groups.iter().find(|group| group.kind == GroupKind::Landmarks && group.name == "feet");
-        let named = || (0..body.landmarks.len()).filter(|&index| body.landmarks[index].name.starts_with("sole"));
-        let members: Vec<usize> = group.map_or_else(|| named().collect(), |group| group.members.clone());
-        let feet = members.iter().map(|&landmark| &body.landmarks[landmark].segment).filter(|shapes| !shapes.is_empty());
+        let feet = Self::landmarks(body).map(|landmark| &body.landmarks[landmark].segment);
         let mut shapes = 0;
         let mut keyed = |&shape: &usize| {
             shapes += 1;
@@ -85,6 +83,16 @@ impl Support {
         self.points = points;
     }
 
+    /// The landmarks of the feet that have points, in the order of the feet.
+    pub fn landmarks(body: &Body) -> impl Iterator<Item = usize> + '_ {
+        members(body).into_iter().filter(|&landmark| !body.landmarks[landmark].segment.is_empty())
+    }
+
+    /// Keys of the points of each foot.
+    pub fn keys(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        self.feet.iter().filter_map(|shapes| Some(shapes.first()?.1..shapes.last()?.1 + MOST_POINTS))
+    }
+
     /// The middle of all points, m; `None` without any.
     pub fn centre(&self) -> Option<Vector3<f64>> {
         let sum: Vector3<f64> = self.points.iter().map(|point| point.position).sum();
@@ -120,6 +128,13 @@ impl Support {
             .filter(|&shape| model.geoms.kind[shape] == GeomKind::Plane)
             .min_by(|&a, &b| height(a).total_cmp(&height(b)))
     }
+}
+
+/// The landmarks of the body's group `feet`, or all whose names begin with `sole`.
+fn members(body: &Body) -> Vec<usize> {
+    let group = body.groups.iter().find(|group| group.kind == GroupKind::Landmarks && group.name == "feet");
+    let named = || (0..body.landmarks.len()).filter(|&index| body.landmarks[index].name.starts_with("sole"));
+    group.map_or_else(|| named().collect(), |group| group.members.clone())
 }
 
 /// Points of one shape at most: the corners of a box.

@@ -3,7 +3,7 @@
 use super::coordinates::Slopes;
 use super::dynamics::Dynamics;
 use super::share::Share;
-use super::{ControlScratch, Controller, Coordinates, Hold, Offsets, Present, activation};
+use super::{ControlScratch, Controller, Coordinates, Hold, Offsets, Present, Walk, activation};
 use crate::bodies;
 use crate::body::Body;
 use msk_physics::lanes::Lanes;
@@ -12,7 +12,7 @@ use msk_physics::scalar::Real;
 use msk_physics::{self as physics, LaneGroup, Plan, State, Workspace};
 use msk_program::body::{Axis, BodyDescription, ExcitationMap, LandmarkDescription};
 use msk_program::task::RootPlacement;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -28,6 +28,8 @@ struct Stand {
     pose: Vec<f64>,
     action: Vec<f64>,
     scratch: Option<ControlScratch>,
+    /// Control steps that were asked for.
+    asked: u32,
 }
 
 /// As much of a body file as standing takes.
@@ -62,7 +64,7 @@ impl Stand {
         let pose = body.neutral().to_vec();
         body.place(&model, &RootPlacement::default(), &pose, &mut state, &mut workspace);
         physics::forward(&model, &state, &mut workspace).unwrap();
-        Self { action: vec![0.0; body.muscles.len()], scratch: None, model, body, state, workspace, pose }
+        Self { action: vec![0.0; body.muscles.len()], scratch: None, asked: 0, model, body, state, workspace, pose }
     }
 
     fn present(&self) -> Present<'_> {
@@ -74,10 +76,16 @@ impl Stand {
     }
 
     fn act(&mut self, controller: &mut Controller) {
+        self.ask(controller, &Offsets::default());
+    }
+
+    fn ask(&mut self, controller: &mut Controller, offsets: &Offsets) {
+        let step = self.asked;
+        self.asked += 1;
         let mut scratch = self.scratch.take().unwrap_or_else(|| ControlScratch::new(&self.present()));
         let Self { model, body, state, workspace, action, .. } = self;
         let present = Present { body, model, state, workspace };
-        controller.ask(&present, 0, &Offsets::default(), &mut scratch);
+        controller.ask(&present, step, offsets, &mut scratch);
         scratch.allocate(&present, controller);
         controller.give(&present, &mut scratch, action);
         self.scratch = Some(scratch);
@@ -175,8 +183,20 @@ fn forces_in_lanes_have_the_bits_of_forces_alone() {
             stand.state.position[2] += 0.2;
             physics::forward(&stand.model, &stand.state, &mut stand.workspace).unwrap();
         }
+        let mut controller = stand.controller();
+        if [0, 2].contains(&lane) {
+            // It walks, and has a foot on its way.
+            let mut walks = stand.clone();
+            walks.state.velocity[0] = 1.0;
+            walks.state.position[walks.body.joints.iter().find(|joint| joint.name == "hip_flexion_l").unwrap().position] += 0.5;
+            physics::forward(&walks.model, &walks.state, &mut walks.workspace).unwrap();
+            controller.walk(&walks.present()).unwrap();
+            group.hold(lane, &walks.state, &walks.workspace);
+            stands.push((lane, walks, controller, ControlScratch::new(&stand.present())));
+            continue;
+        }
         group.hold(lane, &stand.state, &stand.workspace);
-        stands.push((lane, stand.clone(), stand.controller(), ControlScratch::new(&stand.present())));
+        stands.push((lane, stand.clone(), controller, ControlScratch::new(&stand.present())));
     }
     let mut share: Share<Lanes> = Share::new(&stand.model, &stand.body, group.passes().1);
     for (_, _, controller, _) in stands.iter_mut().skip(1).step_by(2) {
@@ -201,6 +221,33 @@ fn forces_in_lanes_have_the_bits_of_forces_alone() {
             assert_eq!(&controller.memory, memory, "lane {lane}");
         }
     }
+}
+
+#[test]
+fn a_gait_walks_turns_and_stands_again() {
+    let mut stand = Stand::new();
+    let mut controller = stand.controller();
+    controller.walk(&stand.present()).unwrap();
+    let start = stand.com();
+    let mut walk = |seconds: u32, forward: f64, turn: f64| {
+        for _ in 0..100 * seconds {
+            let offsets = Offsets { walk: Walk { velocity: Vector2::new(forward, 0.0), turn }, ..Offsets::default() };
+            stand.ask(&mut controller, &offsets);
+            stand.simulate();
+        }
+        let [heading, ..] = stand.body.turns(core::array::from_fn(|part| stand.state.position[3 + part]));
+        (stand.com() - start, heading)
+    };
+    let (stood, _) = walk(1, 0.0, 0.0);
+    assert!(stood.norm() < 0.05, "{stood:?} m away without a pace");
+    let (ahead, heading) = walk(5, 0.4, 0.0);
+    assert!((1.0..2.2).contains(&ahead.x) && ahead.y.abs() < 0.2 && heading.abs() < 0.2, "{ahead:?} m, {heading} rad");
+    let (_, heading) = walk(3, 0.2, 0.5);
+    assert!((1.0..1.8).contains(&heading), "turned by {heading} rad");
+    let (still, _) = walk(2, 0.0, 0.0);
+    let (end, heading_then) = walk(1, 0.0, 0.0);
+    assert!((end - still).norm() < 0.05 && (heading_then - heading).abs() < 0.3, "{still:?} m, then {end:?} m");
+    assert!(end.z > -0.08, "{} m lower", -end.z);
 }
 
 #[test]

@@ -30,6 +30,8 @@ pub(crate) enum Along {
     Reference,
     /// The first script among the task's tests that ends in success.
     Demonstration,
+    /// A gait.
+    Gait,
 }
 
 /// Computed muscle control over one episode after the other.
@@ -57,6 +59,9 @@ impl Tracker {
         let mut controller = Controller::new(&present, &init.coordinates, hold)?;
         if self.along == Along::Demonstration {
             controller.follow(Some(schedule(moment)?), progress.step, &present);
+        }
+        if self.along == Along::Gait {
+            controller.walk(&present)?;
         }
         self.controller = Some(controller);
         self.followed = None;

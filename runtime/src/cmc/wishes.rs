@@ -1,5 +1,6 @@
 //! What the controller of one episode wishes for, in plain numbers: the compromise between wishes is found for several episodes at once.
 
+use super::feedback::{CENTRE, FEET, Law};
 use super::support::Point;
 use nalgebra::Vector3;
 
@@ -9,8 +10,8 @@ pub(super) struct Wishes {
     /// Of each independent coordinate the weight of its wish, squared, and that times the acceleration wished for.
     pub coordinates: Vec<[f64; 2]>,
     pub centre: CentreWish,
-    /// The points that bear weight, keys ascending, with the weights of their wishes to come to rest, squared: 0 for one that is to move.
-    pub feet: Vec<(Point, f64)>,
+    /// Of points of the feet that bear weight or are to go somewhere, keys ascending.
+    pub feet: Vec<FootWish>,
 }
 
 /// The wish for an acceleration of the centre of mass, in world axes.
@@ -21,14 +22,39 @@ pub(super) struct CentreWish {
     /// Velocity and acceleration that the reference has, m/s and m/s².
     pub moving: Vector3<f64>,
     pub bending: Vector3<f64>,
+    /// Along each axis.
+    pub laws: [Law; 3],
     /// Factor of the weights; 0 without a wish.
     pub factor: f64,
+}
+
+/// What is wished for of a point of a foot, in world axes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FootWish {
+    pub point: Point,
+    /// Whether it may bear weight.
+    pub bears: bool,
+    /// Its weight is squared already: 0 for a point that moves as it likes.
+    pub law: Law,
+    /// From where it is to where it shall be, m.
+    pub error: Vector3<f64>,
+    /// Velocity and acceleration that it shall have, m/s and m/s².
+    pub moving: Vector3<f64>,
+    pub bending: Vector3<f64>,
+}
+
+impl FootWish {
+    /// A point that bears weight, and comes to rest where it is with this weight, squared.
+    pub fn at_rest(point: Point, weight: f64) -> Self {
+        let zeros = Vector3::zeros();
+        Self { point, bears: true, law: Law { weight, ..FEET }, error: zeros, moving: zeros, bending: zeros }
+    }
 }
 
 impl Default for CentreWish {
     fn default() -> Self {
         let zeros = Vector3::zeros();
-        Self { error: zeros, moving: zeros, bending: zeros, factor: 0.0 }
+        Self { error: zeros, moving: zeros, bending: zeros, laws: CENTRE, factor: 0.0 }
     }
 }
 

@@ -1,16 +1,17 @@
 //! Computed muscle control as a policy.
 
-use super::{ActsOn, Policy, PolicyContext, PolicyError};
+use super::{ActsOn, Pace, Policy, PolicyContext, PolicyError};
 use crate::action::{ControlMemory, Controls};
 use crate::cmc::{ControlError, Lead};
 use msk_program::action::{ActionSpace, ActionTarget, BaseController, TrackingOffsets};
 
-/// Follows the reference motion of the task, or the script of its demonstration; without one it holds the posture that an episode begins
-/// with. It acts on the muscles, whatever the action space of the task.
+/// Follows the reference motion of the task, or the script of its demonstration, or walks; without any of them it holds the posture that an
+/// episode begins with. It acts on the muscles, whatever the action space of the task.
 #[derive(Debug, Clone)]
 pub struct ComputedMuscleControl {
     along: BaseController,
     lead: Lead,
+    pace: Option<Pace>,
     /// Of the present episode.
     controls: Option<Controls>,
     /// For its body.
@@ -36,8 +37,13 @@ impl ComputedMuscleControl {
         Self { lead: Lead::Smooth, ..self }
     }
 
+    /// Walks at a pace, whatever the task.
+    pub fn gait(pace: Pace) -> Self {
+        Self { pace: Some(pace), ..Self::default() }
+    }
+
     fn along(along: BaseController) -> Self {
-        Self { along, lead: Lead::Exact, controls: None, memory: ControlMemory::default() }
+        Self { along, lead: Lead::Exact, pace: None, controls: None, memory: ControlMemory::default() }
     }
 
     fn unable(&self, error: &ControlError) -> PolicyError {
@@ -47,6 +53,9 @@ impl ComputedMuscleControl {
 
 impl Policy for ComputedMuscleControl {
     fn name(&self) -> &str {
+        if let Some(pace) = &self.pace {
+            return pace.name();
+        }
         match (&self.along, self.lead) {
             (along, Lead::Exact) => along.name(),
             (BaseController::Demonstration, Lead::Smooth) => "demonstration smooth",
@@ -59,11 +68,16 @@ impl Policy for ComputedMuscleControl {
     }
 
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
-        // No target is moved.
-        let target = ActionTarget::MuscleControl(TrackingOffsets::default());
-        let space = ActionSpace { target, residual: Some(self.along.clone()), ..ActionSpace::default() };
+        // Nothing but a pace is asked for.
+        let walk = self.pace.as_ref().map_or([0.0; 3], |_| Pace::MOST);
+        let target = ActionTarget::MuscleControl(TrackingOffsets { walk, ..TrackingOffsets::default() });
+        let residual = self.pace.is_none().then(|| self.along.clone());
+        let space = ActionSpace { target, residual, ..ActionSpace::default() };
         let controls = self.controls.insert(Controls::new(context, space));
         let ready = controls.reset(context);
+        if let Some(pace) = &self.pace {
+            controls.keep(&pace.entries());
+        }
         controls.set_lead(self.lead);
         self.memory = ControlMemory::default();
         ready.map_err(|error| self.unable(&error))

@@ -6,6 +6,7 @@
 mod cmc;
 #[cfg(feature = "system")]
 mod outside;
+mod pace;
 mod random;
 #[cfg(feature = "system")]
 mod source;
@@ -14,6 +15,7 @@ mod zero;
 pub use cmc::ComputedMuscleControl;
 #[cfg(feature = "system")]
 pub(crate) use outside::{Evaluation, NetworkContent};
+pub use pace::Pace;
 pub use random::Random;
 #[cfg(feature = "system")]
 pub use source::{PolicyMaker, PolicySource, TIMEOUT};
@@ -169,13 +171,21 @@ pub enum PolicyError {
         /// What happened, with what it wrote last.
         reason: String,
     },
+    /// A gait without a sensible pace.
+    #[error("`{text}` {reason}; write `gait FORWARD LEFT TURN` in m/s, m/s and rad/s, at most {}, {} and {}", Pace::MOST[0], Pace::MOST[1], Pace::MOST[2])]
+    Gait {
+        /// As it was written.
+        text: String,
+        /// Why not, in words that continue it.
+        reason: String,
+    },
     /// The wait for a policy from outside was given up because the run is to stop.
     #[error("interrupted")]
     Interrupted,
 }
 
 /// The built-in policies.
-pub const NAMES: &[&str] = &["zero", "random", "cmc", "cmc smooth", "demonstration", "demonstration smooth"];
+pub const NAMES: &[&str] = &["zero", "random", "cmc", "cmc smooth", "demonstration", "demonstration smooth", "gait"];
 
 /// The name under which results know a policy, given that or a former one that still works.
 pub fn present_name(name: &str) -> &str {
@@ -195,6 +205,7 @@ pub fn create(name: &str) -> Result<Box<dyn Policy>, PolicyError> {
         "cmc smooth" => Ok(Box::new(ComputedMuscleControl::default().smooth())),
         "demonstration smooth" => Ok(Box::new(ComputedMuscleControl::demonstration().smooth())),
         "witness" => Err(PolicyError::Renamed { former: "witness", present: "demonstration" }),
+        gait if gait.split_whitespace().next() == Some("gait") => Ok(Box::new(ComputedMuscleControl::gait(Pace::read(gait)?))),
         // It is another crate's: this one knows its name for the message.
         plan if plan.split_whitespace().next() == Some("plan") => Err(PolicyError::CommandLineOnly(plan.into())),
         unknown => Err(PolicyError::Unknown(unknown.into())),

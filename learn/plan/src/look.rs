@@ -1,0 +1,103 @@
+//! Which targets plans move: before the first plan of an episode each choice is imagined by itself for some seconds.
+
+use crate::curve::Curve;
+use crate::imagine::{Extent, Imaginer, Present};
+use crate::settings::Settings;
+use crate::space::Space;
+use crate::value::Trace;
+use msk_runtime::policy::PolicyContext;
+use std::sync::atomic::AtomicBool;
+
+/// Paces at which a gait is imagined, as shares of the largest: forward, left, turn.
+const PACES: [[f64; 3]; 8] = [
+    [0.0, 0.0, 0.0],
+    [0.5, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [-0.5, 0.0, 0.0],
+    [0.0, 0.7, 0.0],
+    [0.0, -0.7, 0.0],
+    [0.5, 0.0, 0.7],
+    [0.5, 0.0, -0.7],
+];
+
+/// A comparison of choices at the beginning of an episode.
+pub(crate) struct Look<'a> {
+    pub context: &'a PolicyContext<'a>,
+    pub imaginer: &'a Imaginer,
+    /// How plans are imagined.
+    pub extent: Extent,
+    /// Control steps that are imagined of each choice; 0 to make none.
+    pub steps: u32,
+    pub stop: &'a AtomicBool,
+}
+
+impl Look<'_> {
+    /// The space that serves best, and the plan to begin with: `first`, the demonstration's or a gait's, as far as settings and the task leave them
+    /// open. Of two that earn the same the one that stands first here is taken.
+    ///
+    /// # Errors
+    /// As with [`Space::new`].
+    pub fn choose(&self, first: Space, settings: &Settings) -> Result<(Space, Curve), String> {
+        let idle = |space: &Space| {
+            // One knot more than the horizon has, so that it can move on between them.
+            Curve::constant(space.rest(self.context), settings.knots + 1, space.size(self.context), settings.interpolation)
+        };
+        if self.steps == 0 {
+            let plan = idle(&first);
+            return Ok((first, plan));
+        }
+        let shown = Space::demonstrated(self.context, settings.space, &settings.targets)?;
+        let walking = Space::walking(self.context, settings.space, &settings.targets);
+        let plan = idle(&first);
+        if shown.is_none() && walking.is_none() {
+            return Ok((first, plan));
+        }
+        let mut choices = vec![(first, vec![plan])];
+        choices.extend(shown.map(|space| {
+            let plan = idle(&space);
+            (space, vec![plan])
+        }));
+        choices.extend(walking.map(|space| {
+            let paced = |pace: [f64; 3]| {
+                let (mut plan, mut speeds) = (idle(&space), pace.into_iter());
+                plan.hold(space.pace(), || speeds.next().unwrap_or(0.0));
+                plan
+            };
+            let plans = PACES.map(paced).to_vec();
+            (space, plans)
+        }));
+        let worths: Vec<Vec<Worth>> = choices.iter().map(|(space, plans)| self.worths(space, plans)).collect();
+        // Of those that are worth the same the first.
+        let best = worths.iter().flatten().copied().fold(Worth::default(), |best, worth| if worth > best { worth } else { best });
+        let place = worths
+            .iter()
+            .enumerate()
+            .find_map(|(choice, worths)| Some((choice, worths.iter().position(|worth| *worth == best)?)));
+        // None of them was imagined to its end where the run is to stop.
+        let (choice, plan) = place.unwrap_or_default();
+        let (space, mut plans) = choices.swap_remove(choice);
+        Ok((space, plans.swap_remove(plan)))
+    }
+
+    fn worths(&self, space: &Space, plans: &[Curve]) -> Vec<Worth> {
+        let entries = vec![self.extent.rest; space.size(self.context)];
+        let present = Present { context: *self.context, space, entries: &entries, name: "plan/look" };
+        let traces = self.imaginer.play(&present, plans, Extent { steps: [self.steps, 0], ..self.extent }, self.stop);
+        traces.unwrap_or_default().iter().map(Worth::of).collect()
+    }
+}
+
+/// What lasts is worth more than what fails, what fails later more, and else reward decides.
+#[derive(Debug, Clone, Copy, Default, PartialEq, PartialOrd)]
+struct Worth {
+    lasts: bool,
+    /// Control steps of what failed.
+    steps: u32,
+    reward: f64,
+}
+
+impl Worth {
+    fn of(trace: &Trace) -> Self {
+        Self { lasts: !trace.failed, steps: if trace.failed { trace.steps } else { 0 }, reward: trace.rewards[0] }
+    }
+}

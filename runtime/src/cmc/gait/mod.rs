@@ -1,0 +1,321 @@
+//! A gait: steps that catch a body which falls where it is to go.
+//!
+//! 1. Where the body goes until the end of the present step is known at any time of it (`pendulum`), and so is where the next foot has to land;
+//! 2. within the soles the centre of pressure is moved so that the foot may land where it usually would;
+//! 3. what the body does for that in one hold is a [`Step`]: wishes of the centre of mass, the root and both feet (`step`).
+//!
+//! A body that is to stay stands on both feet, and steps if it is pushed too far.
+
+mod pendulum;
+mod step;
+
+pub(super) use step::Step;
+
+use super::support::{Point, Support};
+use super::{ControlError, Present, turning};
+use crate::body::Body;
+use crate::body::sensors::Snapshot;
+use core::ops::Range;
+use msk_physics::model::rotation;
+use msk_physics::scalar::Real;
+use msk_program::task::RootPlacement;
+use nalgebra::{Vector2, Vector3};
+use pendulum::{BOTH, Pendulum, SINGLE, pressure};
+use step::{Foot, Placed, Swing, Way};
+
+/// How a body shall walk.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Walk {
+    /// Forward and left of where it faces, m/s.
+    pub velocity: Vector2<f64>,
+    /// How fast it turns to the left, rad/s.
+    pub turn: f64,
+}
+
+/// Between the middles of the soles of a body that goes straight on, m; the least; and how far a foot reaches ahead, back and to its side, m.
+const WIDTH: f64 = 0.18;
+const LEAST_WIDTH: f64 = 0.11;
+const REACH: [f64; 3] = [0.7, -0.6, 0.5];
+/// How far the centre of pressure may be from the middle of a sole, forward and to the side, m.
+const SOLE: [f64; 2] = [0.065, 0.03];
+/// By how much a body that walks is lower than one that stands, m, so that its knees are bent, and how far it leans forward, rad.
+const LOWER: f64 = 0.046;
+const LEAN: f64 = 0.054;
+/// The greatest pace with which a gait begins, m/s: one of a body that comes faster makes shorter steps than it needs, and slows down.
+const BEGINNING: f64 = 0.6;
+/// How fast a pace changes, m/s² and rad/s².
+const QUICKENING: f64 = 1.0;
+const TURNING: f64 = 1.3;
+/// What is slower stays, m/s and rad/s; what is further from the middle of its feet has to step, and after a step less far may stay, m.
+const STILL: f64 = 0.05;
+const PUSHED: f64 = 0.12;
+const CAUGHT: f64 = 0.05;
+/// Weight has shifted to a foot if the capture point is as near, m; at the latest after this time, s.
+const SHIFTED: f64 = 0.057;
+const SHIFTING: f64 = 0.5;
+/// From this share of its time on a foot that is this near to the ground has landed, m. One that is late lands while weight goes to it: to wait for it
+/// makes the body fall.
+const EARLY: f64 = 0.9;
+const LANDED: f64 = 0.003;
+
+/// What the feet do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Phase {
+    /// Both bear.
+    Standing,
+    /// Both bear, and the weight goes to one of them.
+    Shifting { stance: usize, time: f64 },
+    /// One bears: since the other has landed, s; where the ground pressed then; where the other was when it left.
+    Stepping { stance: usize, time: f64, from: Vector2<f64>, lifted: Option<Placed> },
+}
+
+/// A gait over an episode.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Gait {
+    /// The left one first.
+    feet: [Foot; 2],
+    /// Where the body is to face, rad.
+    heading: f64,
+    /// Where it did when it began.
+    begun: f64,
+    /// Of the centre of mass over the ground, m.
+    height: f64,
+    phase: Phase,
+    /// Where the ground was to press in the last hold, m.
+    pressure: Vector2<f64>,
+    /// How it walks now: a body does not change its pace at once.
+    walk: Walk,
+    /// The control step of the last hold.
+    step: Option<u32>,
+}
+
+/// The body as a gait sees it.
+struct Now {
+    pendulum: Pendulum,
+    com: Vector3<f64>,
+    capture: Vector2<f64>,
+    placed: [Placed; 2],
+    /// s.
+    hold: f64,
+}
+
+impl Now {
+    fn middle(&self, foot: usize) -> Vector2<f64> {
+        self.placed[foot].middle.xy()
+    }
+
+    fn centre(&self) -> Vector2<f64> {
+        (self.middle(0) + self.middle(1)) * 0.5
+    }
+}
+
+impl Gait {
+    /// Of a body as it is, whose feet have these points.
+    ///
+    /// # Errors
+    /// A body that is not free, or has not a left and a right foot.
+    pub fn new(present: &Present<'_>, support: &Support) -> Result<Self, ControlError> {
+        let &Present { body, state, workspace, .. } = present;
+        let (place, _) = body.root.free.ok_or(ControlError::NoGait)?;
+        let [heading, ..] = body.turns(core::array::from_fn(|part| state.position[place + 3 + part]));
+        let feet = feet(present, support, heading).ok_or(ControlError::NoGait)?;
+        let placed = feet.each_ref().map(|foot| foot.placed(present, &support.points));
+        let ground = placed.map(|placed| placed.middle.z - placed.height);
+        let com = workspace.kinematics.subtree_com[body.root.body];
+        let pace = turning::level(velocity(present).xy(), -heading);
+        let mut gait = Self {
+            feet,
+            heading,
+            begun: heading,
+            height: com.z - ground[0].at_least(ground[1]) - LOWER,
+            phase: Phase::Standing,
+            pressure: (placed[0].middle.xy() + placed[1].middle.xy()) * 0.5,
+            walk: Walk { velocity: Vector2::new(pace.x.clip(-BEGINNING, BEGINNING), 0.0), turn: 0.0 },
+            step: None,
+        };
+        gait.begin(&placed, pace.x);
+        Ok(gait)
+    }
+
+    /// Goes on with the step that a body takes which has just been set in motion at that speed, m/s.
+    fn begin(&mut self, placed: &[Placed; 2], speed: f64) {
+        let ahead = |foot: usize| turning::level((placed[foot].middle - placed[1 - foot].middle).xy(), -self.heading).x;
+        let lower = if placed[0].height < placed[1].height { 0 } else { 1 };
+        if placed[1 - lower].height > placed[lower].height + 0.02 {
+            let share = 0.5 + 0.5 * ahead(1 - lower) / (speed.abs() * (BOTH + SINGLE)).at_least(0.1);
+            self.pressure = placed[lower].middle.xy();
+            let time = BOTH + SINGLE * share.clip(0.0, 1.0);
+            self.phase = Phase::Stepping { stance: lower, time, from: self.pressure, lifted: None };
+        } else if speed.abs() > 0.3 {
+            let front = if ahead(0) * speed > 0.0 { 0 } else { 1 };
+            self.pressure = placed[1 - front].middle.xy();
+            self.phase = Phase::Stepping { stance: front, time: 0.0, from: self.pressure, lifted: None };
+        }
+    }
+
+    /// What the hold that begins with a control step is for; `None` if the body is to stand. Control steps have that period, s; an action may be kept
+    /// for several.
+    pub fn advance(&mut self, present: &Present<'_>, points: &[Point], walk: &Walk, (step, period): (u32, f64)) -> Option<Step> {
+        let since = self.step.map_or(1, |before| step.saturating_sub(before).max(1));
+        self.step = Some(step);
+        let now = self.look(present, points, f64::from(since) * period);
+        self.change_pace(walk, now.hold);
+        self.change_phase(&now);
+        let (pressure, swing) = match self.phase {
+            Phase::Standing => {
+                self.pressure = now.centre();
+                return None;
+            }
+            Phase::Shifting { stance, ref mut time } => {
+                *time += now.hold;
+                (self.shift(&now, stance), None)
+            }
+            Phase::Stepping { stance, time, from, lifted } => self.stride(&now, present, (stance, time, from, lifted)),
+        };
+        self.pressure = pressure;
+        let (Phase::Shifting { stance, .. } | Phase::Stepping { stance, .. }) = self.phase else { return None };
+        let placement = RootPlacement { heading: self.heading, pitch: LEAN, ..RootPlacement::default() };
+        let facing = present.body.facing(&placement);
+        let Placed { middle, height, .. } = now.placed[stance];
+        Some(Step {
+            orientation: rotation::from_matrix(&facing),
+            spin: facing.transpose() * Vector3::z() * self.walk.turn,
+            height: middle.z - height + self.height,
+            acceleration: (now.com.xy() - pressure) * (now.pendulum.omega * now.pendulum.omega),
+            swing,
+        })
+    }
+
+    /// How far the body has turned to the left since it began, rad.
+    pub fn turned(&self) -> f64 {
+        self.heading - self.begun
+    }
+
+    fn look(&self, present: &Present<'_>, points: &[Point], hold: f64) -> Now {
+        let &Present { body, model, workspace, .. } = present;
+        let com = workspace.kinematics.subtree_com[body.root.body];
+        let pendulum = Pendulum::new(self.height, (-model.options.gravity.z).at_least(1.0));
+        let capture = com.xy() + velocity(present).xy() / pendulum.omega;
+        Now { pendulum, com, capture, placed: self.feet.each_ref().map(|foot| foot.placed(present, points)), hold }
+    }
+
+    fn change_pace(&mut self, walk: &Walk, hold: f64) {
+        let change = walk.velocity - self.walk.velocity;
+        let most = QUICKENING * hold;
+        self.walk.velocity += if change.norm() > most { change * (most / change.norm()) } else { change };
+        self.walk.turn += (walk.turn - self.walk.turn).clip(-TURNING * hold, TURNING * hold);
+        self.heading += self.walk.turn * hold;
+    }
+
+    fn change_phase(&mut self, now: &Now) {
+        let moves = self.walk.velocity.norm() > STILL || self.walk.turn.abs() > STILL;
+        let pushed = now.capture - now.centre();
+        self.phase = match self.phase {
+            Phase::Standing if moves || pushed.norm() > PUSHED => {
+                // The foot on the side where the body goes is the first to leave.
+                let aside =
+                    turning::level(if moves { turning::level(self.walk.velocity, self.heading) } else { pushed }, -self.heading)
+                        .y;
+                Phase::Shifting { stance: if aside > 0.0 { 1 } else { 0 }, time: 0.0 }
+            }
+            Phase::Shifting { stance, time } if time >= SHIFTING || self.inward(now, stance) < SHIFTED => {
+                Phase::Stepping { stance, time: BOTH, from: self.pressure, lifted: None }
+            }
+            Phase::Stepping { stance, time, .. } if self.has_landed(now, stance, time) => match moves || pushed.norm() > CAUGHT {
+                true => Phase::Stepping { stance: 1 - stance, time: 0.0, from: self.pressure, lifted: None },
+                false => Phase::Standing,
+            },
+            phase => phase,
+        };
+    }
+
+    /// How far the capture point is from the middle of a sole towards the other, m.
+    fn inward(&self, now: &Now, stance: usize) -> f64 {
+        turning::level(now.middle(stance) - now.capture, -self.heading).y * self.feet[stance].side
+    }
+
+    fn has_landed(&self, now: &Now, stance: usize, time: f64) -> bool {
+        time >= BOTH + SINGLE || (time > BOTH + EARLY * SINGLE && now.placed[1 - stance].height < LANDED)
+    }
+
+    /// Where the ground is to press for the capture point to go over a foot.
+    fn shift(&self, now: &Now, stance: usize) -> Vector2<f64> {
+        let goal = now.middle(stance) - turning::level(Vector2::new(0.0, self.feet[stance].side * 0.04), self.heading);
+        // It goes there with a rate of 4 1/s.
+        let wanted = now.capture - (goal - now.capture) * (4.0 / now.pendulum.omega);
+        self.within_both(now, wanted)
+    }
+
+    /// Where the ground is to press in a hold of a step, and the way of the other foot.
+    fn stride(
+        &mut self,
+        now: &Now,
+        present: &Present<'_>,
+        (stance, time, from, lifted): (usize, f64, Vector2<f64>, Option<Placed>),
+    ) -> (Vector2<f64>, Option<Swing>) {
+        let (pendulum, swung) = (&now.pendulum, &self.feet[1 - stance]);
+        let places = [from, now.middle(stance)];
+        let course = pendulum.course(self.walk.velocity, Vector2::new(0.0, swung.side * WIDTH));
+        let end = turning::level(pendulum.end(now.capture, time, places) - now.middle(stance), -self.heading);
+        let authority = pendulum.authority(time);
+        let wanted = (end - pendulum.usual_end(&course)) / authority.at_least(1e-3);
+        let within = Vector2::new(wanted.x.clip(-SOLE[0], SOLE[0]), wanted.y.clip(-SOLE[1], SOLE[1]));
+        let usual = pressure(time + 0.5 * now.hold, places);
+        let pressed = match time + now.hold < BOTH {
+            true => self.within_both(now, usual + turning::level(wanted, self.heading)),
+            false => usual + turning::level(within, self.heading),
+        };
+        let lifted = lifted.or_else(|| (time + now.hold > BOTH).then(|| now.placed[1 - stance]));
+        let swing = lifted.map(|from| {
+            let landing = pendulum.landing(end - within * authority, &course);
+            let aside = (swung.side * landing.y).clip(LEAST_WIDTH, REACH[2]) * swung.side;
+            let landing = turning::level(Vector2::new(landing.x.clip(REACH[1], REACH[0]), aside), self.heading);
+            let bearing = &now.placed[stance];
+            let to = bearing.middle + Vector3::new(landing.x, landing.y, -bearing.height);
+            let way = Way { from, to, heading: self.heading + swung.toes };
+            way.swing(swung, present, now.placed[1 - stance].middle, [time - BOTH, now.hold])
+        });
+        self.phase = Phase::Stepping { stance, time: time + now.hold, from, lifted };
+        (pressed, swing)
+    }
+
+    /// The place between two soles, or on one of them, that is nearest to another, roughly.
+    fn within_both(&self, now: &Now, wanted: Vector2<f64>) -> Vector2<f64> {
+        let across = now.middle(0) - now.middle(1);
+        let length = across.norm().at_least(1e-6);
+        let (along, from) = (across / length, wanted - now.centre());
+        let between = from.dot(&along).clip(-0.5 * length, 0.5 * length);
+        let forward = turning::level(Vector2::new(1.0, 0.0), self.heading);
+        let ahead = (from - along * between).dot(&forward).clip(-SOLE[0], SOLE[0]);
+        now.centre() + along * between + forward * ahead
+    }
+}
+
+/// The left and the right foot of a body that faces there, if it has just these.
+fn feet(present: &Present<'_>, support: &Support, heading: f64) -> Option<[Foot; 2]> {
+    let body: &Body = present.body;
+    let left = turning::level(Vector2::new(0.0, 1.0), heading);
+    let root = present.workspace.kinematics.body_position[body.root.body].xy();
+    let foot = |(landmark, keys): (usize, Range<usize>)| {
+        let landmark = &body.landmarks[landmark];
+        let mut foot = Foot { body: landmark.body, axes: landmark.axes, keys, side: 1.0, toes: 0.0 };
+        let placed = foot.placed(present, &support.points);
+        foot.side = if (placed.middle.xy() - root).dot(&left) > 0.0 { 1.0 } else { -1.0 };
+        // As far out as it is now; a foot on its way may point anywhere.
+        foot.toes = turning::between(heading, placed.heading).clip(-0.3, 0.3);
+        foot
+    };
+    let mut feet: Vec<Foot> = Support::landmarks(body).zip(support.keys()).map(foot).collect();
+    feet.sort_by(|a, b| b.side.total_cmp(&a.side));
+    let feet: [Foot; 2] = feet.try_into().ok()?;
+    (feet[0].side > feet[1].side).then_some(feet)
+}
+
+/// Of the common centre of mass of all that the root carries, m/s.
+fn velocity(present: &Present<'_>) -> Vector3<f64> {
+    let &Present { body, model, state, workspace } = present;
+    let kinematics = &workspace.kinematics;
+    let snapshot = Snapshot { body, model, state, workspace };
+    let moves = |member: usize| snapshot.velocity_of(member, kinematics.inertial_position[member]) * kinematics.mass[member];
+    body.members.clone().map(moves).sum::<Vector3<f64>>() / kinematics.subtree_mass[body.root.body].at_least(f64::MIN_POSITIVE)
+}

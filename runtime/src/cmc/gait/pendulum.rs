@@ -1,0 +1,151 @@
+//! A walking body, seen from above: an inverted pendulum that falls from step to step.
+//!
+//! With its centre of mass c at a constant height h over the centre of pressure z it is pushed away from that, c̈ = ω² (c - z), ω² = g / h
+//! (Kajita et al., The 3D linear inverted pendulum mode, IROS 2001). Its capture point ξ = c + ċ/ω (Pratt et al., Humanoids 2006) obeys
+//! ξ̇ = ω (ξ - z): it runs away from where the ground presses, and where it ends is known when a step begins.
+//!
+//! A step of duration T begins as a foot lands. For a time D both feet bear, and z goes evenly from the foot behind, p₀, to the one that has landed,
+//! p; then p bears alone. With E = exp(ωT) and K = E (1 - (1 - exp(-ωD)) / ωD),
+//!
+//! > ξ(T) - p = E (ξ(0) - p) - K (p₀ - p).
+//!
+//! In a gait that repeats a way s at every step the capture point passes each landing at s (1 - K) / (E - 1) from it; in one that goes to
+//! and fro, at -s (1 + K) / (E + 1). A foot that lands where the next step will end as the gait has it makes good whatever has
+//! happened, within two steps (compare Khadiv et al., Walking control based on step timing adaptation, IEEE Trans. Robotics 36, 2020).
+
+use msk_physics::scalar::Real;
+use nalgebra::Vector2;
+
+/// For how long both feet bear at the beginning of a step, D, and one of them after that, s.
+pub(super) const BOTH: f64 = 0.12;
+pub(super) const SINGLE: f64 = 0.39;
+
+/// The pendulum of a body, and what grows in a step of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pendulum {
+    /// 1/s.
+    pub omega: f64,
+    /// E and K.
+    grown: f64,
+    ramp: f64,
+}
+
+/// What a gait asks of its steps: all in the axes of the heading.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Course {
+    /// From the foot that bears to where the other usually lands, m.
+    pub usual: Vector2<f64>,
+    /// From there to the capture point at the end of the step that begins then, m.
+    pub next: Vector2<f64>,
+}
+
+impl Pendulum {
+    /// Of a centre of mass at this height over the ground (m), under this gravity (m/s²).
+    pub fn new(height: f64, gravity: f64) -> Self {
+        let omega = (gravity / height.at_least(0.1)).sqrt();
+        let grown = libm::exp(omega * (BOTH + SINGLE));
+        let ramp = grown * (1.0 - (1.0 - libm::exp(-omega * BOTH)) / (omega * BOTH));
+        Self { omega, grown, ramp }
+    }
+
+    /// Where a capture point is after `duration` (s) in which the pressure goes evenly from the first place to the second.
+    fn run(&self, capture: Vector2<f64>, [from, to]: [Vector2<f64>; 2], duration: f64) -> Vector2<f64> {
+        if duration <= 0.0 {
+            return capture;
+        }
+        let lead = (to - from) / (duration * self.omega);
+        (capture - from - lead) * libm::exp(self.omega * duration) + to + lead
+    }
+
+    /// Where a capture point is at the end of a step `time` (s) after it began, if the pressure goes from one place to another as usual.
+    pub fn end(&self, capture: Vector2<f64>, time: f64, [from, to]: [Vector2<f64>; 2]) -> Vector2<f64> {
+        let landed = self.run(capture, [pressure(time, [from, to]), to], BOTH - time);
+        self.run(landed, [to, to], (BOTH + SINGLE - time).at_most(SINGLE))
+    }
+
+    /// By how much it ends further back if the pressure is further ahead by 1 from `time` on.
+    pub fn authority(&self, time: f64) -> f64 {
+        libm::exp(self.omega * (BOTH + SINGLE - time).at_least(0.0)) - 1.0
+    }
+
+    /// The course of a gait of that velocity (m/s, in the axes of its heading) whose feet are `across` apart: the vector to where the foot that is on
+    /// its way usually lands, if the body stays.
+    pub fn course(&self, velocity: Vector2<f64>, across: Vector2<f64>) -> Course {
+        let way = velocity * (BOTH + SINGLE);
+        let passed = way * ((1.0 - self.ramp) / (self.grown - 1.0)) + across * ((1.0 + self.ramp) / (self.grown + 1.0));
+        Course { usual: way + across, next: way - across + passed }
+    }
+
+    /// Where a foot lands, from the one that bears, if the capture point ends there: the step after it goes on with the course.
+    pub fn landing(&self, end: Vector2<f64>, course: &Course) -> Vector2<f64> {
+        (end * self.grown - course.next) / (self.grown - self.ramp)
+    }
+
+    /// Where the capture point has to end for the usual landing.
+    pub fn usual_end(&self, course: &Course) -> Vector2<f64> {
+        (course.usual * (self.grown - self.ramp) + course.next) / self.grown
+    }
+}
+
+/// Where the ground usually presses at a time of a step, s.
+pub(super) fn pressure(time: f64, [from, to]: [Vector2<f64>; 2]) -> Vector2<f64> {
+    let share = (time / BOTH).clip(0.0, 1.0);
+    from * (1.0 - share) + to * share
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vector([x, y]: [f64; 2]) -> Vector2<f64> {
+        Vector2::new(x, y)
+    }
+
+    proptest! {
+        #[test]
+        fn the_end_is_that_of_the_equation_of_motion(
+            capture in prop::array::uniform2(-0.3..0.3_f64), from in prop::array::uniform2(-0.3..0.3_f64), begun in 0.0..0.5_f64,
+        ) {
+            let (pendulum, places) = (Pendulum::new(0.9, 9.81), [vector(from), Vector2::zeros()]);
+            let (steps, mut found) = (20_000, vector(capture));
+            let period = (BOTH + SINGLE - begun) / f64::from(steps);
+            for step in 0..steps {
+                let time = begun + (f64::from(step) + 0.5) * period;
+                // The midpoint rule.
+                let half = found + (found - pressure(time, places)) * (0.5 * pendulum.omega * period);
+                found += (half - pressure(time, places)) * (pendulum.omega * period);
+            }
+            prop_assert!((found - pendulum.end(vector(capture), begun, places)).norm() < 1e-5);
+        }
+
+        #[test]
+        fn two_steps_bring_any_capture_point_back_to_the_gait(
+            capture in prop::array::uniform2(-0.2..0.2_f64), velocity in prop::array::uniform2(-0.5..0.8_f64),
+        ) {
+            let pendulum = Pendulum::new(0.9, 9.81);
+            let across = |step: usize| Vector2::new(0.0, if step % 2 == 0 { 0.18 } else { -0.18 });
+            let (mut before, mut stance, mut capture) = (vector([0.0, 0.18]), Vector2::zeros(), vector(capture));
+            let mut ways = Vec::new();
+            for step in 0..6 {
+                let course = pendulum.course(vector(velocity), across(step));
+                capture = pendulum.end(capture, 0.0, [before, stance]);
+                let landing = stance + pendulum.landing(capture - stance, &course);
+                ways.push(landing - stance - course.usual);
+                (before, stance) = (stance, landing);
+            }
+            // The first landing takes what has happened into account, the second follows from it.
+            prop_assert!(ways[2..].iter().all(|way| way.norm() < 1e-6), "{ways:?}");
+        }
+    }
+
+    #[test]
+    fn the_usual_end_leads_to_the_usual_landing() {
+        let pendulum = Pendulum::new(0.9, 9.81);
+        let course = pendulum.course(Vector2::new(0.5, -0.1), Vector2::new(0.0, 0.2));
+        let landing = pendulum.landing(pendulum.usual_end(&course), &course);
+        assert!((landing - course.usual).norm() < 1e-12);
+        // Of two ends that differ by one sole, the pressure at the beginning of the step makes up for most.
+        assert!((4.0..6.0).contains(&(pendulum.authority(0.0) + 1.0)));
+    }
+}

@@ -1,0 +1,146 @@
+//! What one hold of a gait is for: where the body is to be pushed, and where its feet are to go.
+
+use super::super::CONTACT_HEIGHT;
+use super::super::feedback::Law;
+use super::super::support::Point;
+use super::super::wishes::FootWish;
+use super::pendulum::SINGLE;
+use crate::cmc::{Present, turning};
+use core::ops::Range;
+use msk_physics::scalar::Real;
+use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
+
+/// How high a foot is lifted on its way, m.
+const LIFT: f64 = 0.053;
+/// Which share of its time a foot takes to be where it lands; in what is left it seeks the ground, and goes this far below, m.
+const ARRIVED: f64 = 0.92;
+const SEEK: f64 = 0.02;
+/// Points of a foot on its way, and of the one that bears.
+const SWING: Law = Law::critical(440.0, 21.0, 1.0);
+const STANCE: f64 = 1.21;
+/// After this share of its time a foot may bear where it meets the ground.
+const LANDS: f64 = 0.5;
+
+/// One of two feet.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Foot {
+    /// The body that carries the sole, and the axes forward, left, up of the sole in that.
+    pub body: usize,
+    pub axes: Matrix3<f64>,
+    /// Keys of its points.
+    pub keys: Range<usize>,
+    /// 1 for the left one, -1 for the right one.
+    pub side: f64,
+    /// Heading of the sole from that of the body, rad.
+    pub toes: f64,
+}
+
+/// Where a sole is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Placed {
+    /// The middle of its points, m.
+    pub middle: Vector3<f64>,
+    /// Where it points, rad.
+    pub heading: f64,
+    /// Of its lowest point over the ground, m.
+    pub height: f64,
+}
+
+/// What one hold of a gait is for.
+#[derive(Debug, Clone)]
+pub(in crate::cmc) struct Step {
+    /// Of the root, and how it turns, in its own axes, rad/s.
+    pub orientation: [f64; 4],
+    pub spin: Vector3<f64>,
+    /// Of the centre of mass, m.
+    pub height: f64,
+    /// Of the centre of mass along the ground, m/s².
+    pub acceleration: Vector2<f64>,
+    pub(super) swing: Option<Swing>,
+}
+
+/// The way of a foot in one hold.
+#[derive(Debug, Clone)]
+pub(super) struct Swing {
+    body: usize,
+    keys: Range<usize>,
+    /// Where the sole is, and where it shall be.
+    present: (Vector3<f64>, Matrix3<f64>),
+    goal: (Vector3<f64>, Matrix3<f64>),
+    moving: Vector3<f64>,
+    bending: Vector3<f64>,
+    lands: bool,
+}
+
+/// Where a foot goes after it has left the ground.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Way {
+    pub from: Placed,
+    /// Where its middle lands, m, and where it points then, rad.
+    pub to: Vector3<f64>,
+    pub heading: f64,
+}
+
+impl Foot {
+    /// Where its sole is, by the points that the sole itself carries.
+    pub fn placed(&self, present: &Present<'_>, points: &[Point]) -> Placed {
+        let own = || points.iter().filter(|point| self.keys.contains(&point.key) && point.body == self.body);
+        let forward = present.workspace.kinematics.body_rotation[self.body] * self.axes.column(0);
+        Placed {
+            middle: own().map(|point| point.position).sum::<Vector3<f64>>() / (own().count() as f64).at_least(1.0),
+            heading: libm::atan2(forward.y, forward.x),
+            height: own().map(|point| point.height).fold(f64::INFINITY, f64::at_most),
+        }
+    }
+}
+
+impl Way {
+    /// Where the middle is after a share of the time.
+    fn at(&self, share: f64) -> Vector3<f64> {
+        let (along, bump) = eased(share);
+        let sunk = SEEK * ((share - ARRIVED) / (1.0 - ARRIVED)).clip(0.0, 1.0);
+        self.from.middle + (self.to - self.from.middle) * along + Vector3::z() * (LIFT * bump - sunk)
+    }
+
+    /// What is to be done `time` (s) after the foot has left, in a hold of that length, s.
+    pub fn swing(&self, foot: &Foot, present: &Present<'_>, middle: Vector3<f64>, [time, hold]: [f64; 2]) -> Swing {
+        let [now, next, later] = [0.0, 1.0, 2.0].map(|holds| self.at((time + holds * hold) / SINGLE));
+        let (along, _) = eased((time + hold) / SINGLE);
+        let heading = self.from.heading + turning::between(self.from.heading, self.heading) * along;
+        let rotation = present.workspace.kinematics.body_rotation[foot.body] * foot.axes;
+        Swing {
+            body: foot.body,
+            keys: foot.keys.clone(),
+            present: (middle, rotation),
+            goal: (next, Rotation3::from_axis_angle(&Vector3::z_axis(), heading).into_inner()),
+            moving: (later - now) / (2.0 * hold),
+            bending: (later - next * 2.0 + now) / (hold * hold),
+            lands: time > LANDS * SINGLE,
+        }
+    }
+}
+
+impl Step {
+    /// What is wished for of a point of a foot, if anything is.
+    pub fn wish(&self, point: &Point) -> Option<FootWish> {
+        let near = point.height < CONTACT_HEIGHT;
+        let Some(swing) = self.swing.as_ref().filter(|swing| swing.keys.contains(&point.key)) else {
+            return near.then(|| FootWish::at_rest(*point, STANCE));
+        };
+        let bears = near && swing.lands;
+        if point.body != swing.body {
+            // Toes go along.
+            return bears.then(|| FootWish::at_rest(*point, 0.0));
+        }
+        let ((middle, rotation), (goal, facing)) = (swing.present, swing.goal);
+        let arm = rotation.transpose() * (point.position - middle);
+        let error = goal + facing * arm - point.position;
+        Some(FootWish { point: *point, bears, law: SWING, error, moving: swing.moving, bending: swing.bending })
+    }
+}
+
+/// From 0 to 1 with a constant change of acceleration, which takes less speed than the least jerk, and a bump of height 1 between.
+fn eased(share: f64) -> (f64, f64) {
+    let u = (share / ARRIVED).clip(0.0, 1.0);
+    (u * u * (3.0 - 2.0 * u), 16.0 * u * u * (1.0 - u) * (1.0 - u))
+}
