@@ -4,8 +4,9 @@
     pip install matplotlib
     python benches/growth.py [--rounds 3] [--seconds 1]
 
-Writes `benches/growth.csv` and draws `docs/growth.svg` from it; with `--draw` it only draws. Everything is the protocol *falling* of the
-examples on one thread, in microseconds of CPU time per step; the median of the rounds.
+Writes `benches/growth.csv` and draws `docs/growth.svg` from it; with `--draw` it only draws, with `--crawling` it measures a crawling
+body alone and keeps the other rows. All else is the protocol *falling* of the examples. On one thread, in microseconds of CPU time per step;
+the median of the rounds.
 """
 
 import argparse
@@ -50,8 +51,8 @@ def with_boxes(count):
     return ElementTree.tostring(tree.getroot(), encoding="unicode")
 
 
-def run(programs, name, path, seconds, *more):
-    command = [str(programs / name), str(path), "falling", str(seconds), *map(str, more)]
+def run(programs, name, path, seconds, *more, protocol="falling"):
+    command = [str(programs / name), str(path), protocol, str(seconds), *map(str, more)]
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
@@ -83,6 +84,30 @@ def measure(programs, rounds, seconds):
     return rows
 
 
+def measure_crawling(programs, rounds, seconds):
+    """Rows of a body on hands, knees and feet; its size is the mean number of constraint rows."""
+
+    def reports(name, *more):
+        return [run(programs, name, MODEL, seconds, *more, protocol="crawling") for _ in range(rounds)]
+
+    alone, lanes = reports("speed"), reports("together", 8)
+    size = round(alone[-1]["rows"]["mean"])
+    print("crawling:", json.dumps(alone[-1]), flush=True)
+
+    def time(reports):
+        return 1e6 / statistics.median(report["steps_per_second"] for report in reports)
+
+    return [("crawling", size, "one at a time", time(alone)), ("crawling", size, "eight lanes", time(lanes))]
+
+
+def read_table():
+    with TABLE.open(newline="") as file:
+        return [
+            (row["what"], int(row["size"]), row["way"], float(row["microseconds_per_step"]))
+            for row in csv.DictReader(file)
+        ]
+
+
 def draw(rows):
     import matplotlib
 
@@ -102,6 +127,9 @@ def draw(rows):
             points = sorted((size, time) for kind, size, manner, time in rows if (kind, manner) == (what, way))
             if points:
                 axis.plot(*zip(*points, strict=True), "o-", color=colour, label=way)
+            crawling = [(size, time) for kind, size, manner, time in rows if (kind, manner) == ("crawling", way)]
+            if what == "rows" and crawling:
+                axis.plot(*zip(*crawling, strict=True), "s", color=colour, markersize=9, label=f"crawling, {way}")
         if what == "episodes":
             axis.set_xscale("log", base=2)
         axis.set_xlabel(title)
@@ -118,20 +146,17 @@ def main():
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--seconds", type=float, default=1.0)
     parser.add_argument("--draw", action="store_true", help="measure nothing")
+    parser.add_argument("--crawling", action="store_true", help="measure a crawling body alone")
     arguments = parser.parse_args()
     if not arguments.draw:
-        rows = measure(arguments.programs, arguments.rounds, arguments.seconds)
+        rows = [row for row in read_table() if row[0] != "crawling"] if arguments.crawling else None
+        rows = rows or measure(arguments.programs, arguments.rounds, arguments.seconds)
+        rows += measure_crawling(arguments.programs, arguments.rounds, arguments.seconds)
         with TABLE.open("w", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(("what", "size", "way", "microseconds_per_step"))
             writer.writerows((what, size, way, f"{time:.1f}") for what, size, way, time in rows)
-    with TABLE.open(newline="") as file:
-        draw(
-            [
-                (row["what"], int(row["size"]), row["way"], float(row["microseconds_per_step"]))
-                for row in csv.DictReader(file)
-            ]
-        )
+    draw(read_table())
 
 
 if __name__ == "__main__":

@@ -42,6 +42,7 @@ mod summary;
 pub mod sweep;
 pub mod testing;
 mod to_horizon;
+mod together;
 pub mod trace;
 mod tracing;
 mod worker;

@@ -4,12 +4,11 @@ use super::desk::Desk;
 use super::metrics::Measurement;
 use super::order::Turn;
 use super::record::Tally;
+use super::together::{self, LaneRollout};
 use super::tracing::{self, TraceRecorder};
 use super::{EvaluationError, Extras, Fed, Job, Journal, JournalError, Outcome, Plan, Resumed, Watcher};
-use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
-use msk_runtime::action::{ActionBuffer, ActsOn};
-use msk_runtime::episode::{Controlled, Engine, Episode, EpisodeKey, GroupScratch, Member};
+use msk_runtime::episode::{Engine, EpisodeKey, GroupScratch};
 use msk_runtime::policy::{Policy, PolicyError};
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -50,12 +49,7 @@ struct Worker<'c, 'a> {
 /// An episode that is played, in a lane.
 struct Seat<'a> {
     trial: usize,
-    engine: &'a Engine,
-    policy: Box<dyn Policy + 'a>,
-    episode: Episode,
-    rates: Option<Rates>,
-    weights: Vec<f64>,
-    action: ActionBuffer,
+    rollout: LaneRollout<'a>,
     tally: Tally,
     measurement: Measurement,
     trace: TraceRecorder,
@@ -166,7 +160,7 @@ impl<'c> Worker<'c, '_> {
         let crew = self.crew;
         for lane in 0..crew.width {
             while self.seats[lane].is_none() {
-                let job = match self.seats.iter().flatten().next().map(|seat| seat.engine) {
+                let job = match self.seats.iter().flatten().next().map(|seat| seat.rollout.engine) {
                     Some(present) => {
                         let fits = |task: usize| crew.engines.get(&task).is_some_and(|engine| engine.goes_with(present));
                         let Some(job) = crew.desk().claim_of(&fits) else { return Ok(true) };
@@ -191,38 +185,21 @@ impl<'c> Worker<'c, '_> {
         let scratch = self.scratch.insert(known.unwrap_or_else(|| engine.group_scratch(crew.width)));
         let task = engine.task();
         let fed = crew.extras.feed.map(|feed| feed.weights(task));
-        let mut seat = Seat {
-            trial,
-            engine,
-            policy: match self.policies.pop() {
-                Some(policy) => policy,
-                None => crew.plan.policy.open(crew.stop)?,
-            },
-            episode: engine.episode(),
-            rates: None,
-            weights: fed.as_ref().map_or_else(|| task.weights(), |fed| fed.weights.clone()),
-            action: engine.action(ActsOn::Task),
-            tally: Tally::new(task),
-            measurement: Measurement::new(engine),
-            trace: TraceRecorder::new(engine, index, crew.extras.tracing)?,
-            fed,
-            seconds: 0.0,
+        let policy = match self.policies.pop() {
+            Some(policy) => policy,
+            None => crew.plan.policy.open(crew.stop)?,
         };
+        let weights = fed.as_ref().map_or_else(|| task.weights(), |fed| fed.weights.clone());
+        let mut rollout = LaneRollout::new(engine, weights, policy);
+        let (mut measurement, mut trace) = (Measurement::new(engine), TraceRecorder::new(engine, index, crew.extras.tracing)?);
         let start = Instant::now();
         let key = EpisodeKey { seed: crew.plan.protocol.seed, episode: index };
-        seat.rates = scratch.begin(lane, engine, (key, &[]), &mut seat.episode);
-        // An episode that could not begin has nothing that a policy could look at.
-        let ready = match seat.episode.ending() {
-            None => {
-                let context = engine.context(&seat.episode, &seat.weights, scratch.lane(lane));
-                seat.measurement.look(&context);
-                seat.trace.look(&context);
-                seat.policy.reset(&context)
-            }
-            Some(_) => Ok(()),
-        };
-        seat.action = engine.action(seat.policy.acts_on());
-        seat.seconds = start.elapsed().as_secs_f64();
+        let ready = rollout.reset(lane, key, scratch, &mut |context| {
+            measurement.look(context);
+            trace.look(context);
+        });
+        let seconds = start.elapsed().as_secs_f64();
+        let seat = Seat { trial, rollout, tally: Tally::new(task), measurement, trace, fed, seconds };
         match ready {
             Ok(()) => self.seats[lane] = Some(seat),
             Err(error) => self.give_up(seat, error)?,
@@ -237,8 +214,8 @@ impl<'c> Worker<'c, '_> {
     fn give_up(&mut self, seat: Seat<'c>, error: PolicyError) -> Result<(), EvaluationError> {
         match error {
             PolicyError::Unable { reason, .. } => {
-                self.crew.skip((seat.trial, seat.episode.key().episode), reason)?;
-                self.policies.push(seat.policy);
+                self.crew.skip((seat.trial, seat.rollout.episode.key().episode), reason)?;
+                self.policies.push(seat.rollout.policy);
                 Ok(())
             }
             error => Err(error.into()),
@@ -249,16 +226,9 @@ impl<'c> Worker<'c, '_> {
     fn step(&mut self) -> Result<bool, EvaluationError> {
         let start = Instant::now();
         let Some(scratch) = &mut self.scratch else { return Ok(false) };
-        let mut unable = Vec::new();
-        for (lane, error) in act(&mut self.seats, scratch) {
-            unable.extend(self.seats[lane].take().map(|seat| (seat, error)));
-        }
-        scratch.step(self.seats.iter_mut().map(|place| {
-            let seat = place.as_mut().filter(|seat| seat.episode.ending().is_none())?;
-            let Seat { engine, episode, rates, weights, action, .. } = seat;
-            Some(Member { engine, episode, rates, weights, action: (&*action).into() })
-        }));
-        for (seat, error) in unable {
+        let unable = together::step(self.seats.each_mut().map(|seat| Some(&mut seat.as_mut()?.rollout)), scratch);
+        for (lane, error) in unable {
+            let Some(seat) = self.seats[lane].take() else { continue };
             self.give_up(seat, error)?;
         }
         let count = self.seats.iter().flatten().count();
@@ -266,14 +236,14 @@ impl<'c> Worker<'c, '_> {
         for lane in 0..WIDTH {
             let (Some(seat), Some(scratch)) = (&mut self.seats[lane], &self.scratch) else { continue };
             seat.seconds += share;
-            if seat.episode.steps() > seat.tally.steps() {
-                seat.tally.add(&seat.episode);
-                let context = seat.engine.context(&seat.episode, &seat.weights, scratch.lane(lane));
+            if seat.rollout.episode.steps() > seat.tally.steps() {
+                seat.tally.add(&seat.rollout.episode);
+                let context = seat.rollout.context(lane, scratch);
                 seat.measurement.look(&context);
                 seat.trace.look(&context);
                 self.crew.watcher.stepped();
             }
-            if seat.episode.ending().is_some() {
+            if seat.rollout.is_over() {
                 self.end(lane)?;
             }
         }
@@ -284,12 +254,12 @@ impl<'c> Worker<'c, '_> {
     fn end(&mut self, lane: usize) -> Result<(), EvaluationError> {
         let Some(seat) = self.seats[lane].take() else { return Ok(()) };
         let trial = &self.crew.plan.trials[seat.trial];
-        let record = seat.tally.record(trial, &seat.episode, seat.policy.name(), seat.seconds);
+        let record = seat.tally.record(trial, &seat.rollout.episode, seat.rollout.policy.name(), seat.seconds);
         let mut record = seat.measurement.note(record);
         if let Some(fed) = &seat.fed {
             fed.note(trial, &mut record);
         }
-        self.policies.push(seat.policy);
+        self.policies.push(seat.rollout.policy);
         if let Some(trace) = seat.trace.finish(&record) {
             tracing::keep(self.crew.journal, &trace)?;
         }
@@ -299,28 +269,4 @@ impl<'c> Worker<'c, '_> {
         }
         Ok(())
     }
-}
-
-/// Lets every policy act; gives what keeps some from acting, with their lanes.
-fn act(seats: &mut [Option<Seat<'_>>], scratch: &mut GroupScratch) -> Vec<(usize, PolicyError)> {
-    let (mut unable, mut controlled) = (Vec::new(), Vec::new());
-    for (lane, seat) in seats.iter_mut().enumerate() {
-        let Some(seat) = seat.as_mut().filter(|seat| seat.episode.ending().is_none()) else { continue };
-        let Seat { engine, episode, policy, action, weights, .. } = seat;
-        let action = &mut action.entries;
-        if policy.controls().is_none() {
-            let acted = policy.act(&engine.context(episode, weights, scratch.lane(lane)), action);
-            unable.extend(acted.err().map(|error| (lane, error)));
-        } else if let Some(controls) = policy.controls() {
-            controlled.push(Controlled { lane, engine, episode, weights, controls, entries: &[], action });
-        }
-    }
-    let acted = scratch.control(&mut controlled);
-    let lanes: Vec<usize> = controlled.iter().map(|member| member.lane).collect();
-    unable.extend(lanes.into_iter().zip(acted).filter_map(|(lane, acted)| {
-        let reason = acted.err()?.to_string();
-        let policy = seats[lane].as_ref().map_or_else(String::new, |seat| seat.policy.name().to_owned());
-        Some((lane, PolicyError::Unable { policy, reason }))
-    }));
-    unable
 }

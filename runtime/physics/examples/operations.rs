@@ -1,6 +1,6 @@
 //! How many operations a step takes, by stage: for the roofline in docs/performance.md.
 //!
-//! `cargo run --release -p msk-physics --example operations -- [model.xml] [falling|standing] [steps]`
+//! `cargo run --release -p msk-physics --example operations -- [model.xml] [falling|standing|crawling] [steps]`
 //!
 //! The physics is written over a scalar, so a scalar that counts is all it takes. It carries two episodes, as lanes do, so that the
 //! solver is the one of lanes; an operation on both counts once. The search for contacts and the numbers of constraint rows are found lane by
@@ -13,7 +13,7 @@ use msk_physics::model::Model;
 use msk_physics::scalar::Real;
 use msk_physics::{STAGES, State, Workspace, stepping};
 use num_traits::{Num, One, Zero};
-use protocol::{Random, duration, initial_state};
+use protocol::{Protocol, Random, initial_state};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Kinds of operations.
@@ -180,14 +180,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let argument = |index: usize, default: &str| arguments.get(index).cloned().unwrap_or_else(|| default.into());
     let model = Model::from_file(argument(0, "bodies/models/human416.xml"))?;
-    let standing = argument(1, "falling") == "standing";
+    let protocol = Protocol::named(&argument(1, "falling"));
     let wanted: u64 = argument(2, "1500").parse()?;
-    let origin = doubled(&model, &initial_state(&model, standing)?);
+    let origin = doubled(&model, &initial_state(&model, protocol)?);
     let mut workspace = Workspace::<Counted>::new(&model);
     let (mut state, mut random) = (origin.clone(), Random(1));
     let mut stages = [[0; KINDS.len()]; STAGES.len()];
     for step in 0..wanted {
-        if state.time.lane(0) >= duration(standing) {
+        if state.time.lane(0) >= protocol.duration() {
             state.clone_from(&origin);
         }
         if step % 10 == 0 {

@@ -1,6 +1,6 @@
 //! Steps per second of CPU time, microseconds per stage, and sizes of the constraint problem, one episode at a time.
 //!
-//! `cargo run --release -p msk-physics --example speed -- [model.xml] [falling|standing] [seconds] [baseline|wide|widest]`
+//! `cargo run --release -p msk-physics --example speed -- [model.xml] [falling|standing|crawling] [seconds] [baseline|wide|widest]`
 //!
 //! Muscles are excited at random anew every ten milliseconds. CPU time is counted where the system tells it (Linux), so other
 //! programs on the machine do not count; `benches/ratio.py --program` compares with MuJoCo.
@@ -10,7 +10,7 @@ mod protocol;
 use msk_physics::model::Model;
 use msk_physics::scalar::Real;
 use msk_physics::{STAGES, Workspace, step_by_stage};
-use protocol::{Random, cpu_seconds, duration, initial_state, instructions, spread};
+use protocol::{Protocol, Random, cpu_seconds, initial_state, instructions, spread};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -18,12 +18,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let argument = |index: usize, default: &str| arguments.get(index).cloned().unwrap_or_else(|| default.into());
     let model = Model::from_file(argument(0, "bodies/models/human416.xml"))?;
-    let standing = argument(1, "falling") == "standing";
+    let protocol = Protocol::named(&argument(1, "falling"));
     let seconds: f64 = argument(2, "2").parse()?;
     let instructions = instructions(&argument(3, "widest"));
     let mut workspace = Workspace::new(&model).with_instructions(instructions);
-    let origin = initial_state(&model, standing)?;
-    let duration = duration(standing);
+    let origin = initial_state(&model, protocol)?;
+    let duration = protocol.duration();
     let mut state = origin.clone();
     let mut random = Random(1);
     let (mut steps, mut stages) = (0, [0.0; STAGES.len()]);

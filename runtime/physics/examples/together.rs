@@ -1,6 +1,6 @@
 //! Steps per second of CPU time of many episodes at once, and microseconds per stage and episode.
 //!
-//! `cargo run --release -p msk-physics --example together -- [model.xml] [falling|standing] [seconds] [episodes] [baseline|wide|widest]`
+//! `cargo run --release -p msk-physics --example together -- [model.xml] [falling|standing|crawling] [seconds] [episodes] [baseline|wide|widest]`
 //!
 //! The protocols are those of the example `speed`; every episode has its own excitations and begins again at its own time, so that
 //! neighbours are never in step.
@@ -10,7 +10,7 @@ mod protocol;
 use msk_physics::model::Model;
 use msk_physics::scalar::Real;
 use msk_physics::{Batch, STAGES};
-use protocol::{Random, cpu_seconds, duration, initial_state, instructions};
+use protocol::{Protocol, Random, cpu_seconds, initial_state, instructions};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -18,13 +18,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let argument = |index: usize, default: &str| arguments.get(index).cloned().unwrap_or_else(|| default.into());
     let model = Arc::new(Model::from_file(argument(0, "bodies/models/human416.xml"))?);
-    let standing = argument(1, "falling") == "standing";
+    let protocol = Protocol::named(&argument(1, "falling"));
     let seconds: f64 = argument(2, "2").parse()?;
     let episodes: usize = argument(3, "8").parse()?;
     let instructions = instructions(&argument(4, "widest"));
     let mut batch = Batch::new(&model, episodes).with_instructions(instructions);
-    let origin = initial_state(&model, standing)?;
-    let duration = duration(standing);
+    let origin = initial_state(&model, protocol)?;
+    let duration = protocol.duration();
     for episode in 0..episodes {
         batch.set(episode, &origin)?;
     }

@@ -250,6 +250,33 @@ fn models_of_every_constraint_and_integrator_have_the_same_bits_among_any_neighb
 }
 
 #[test]
+fn passes_without_steps_have_the_same_bits_and_a_fault_is_that_of_its_episode() {
+    let model = human();
+    let mut states = initial_states(model);
+    states.truncate(WIDTH);
+    states[3].velocity[2] = f64::INFINITY;
+    let plan = Plan::new(model);
+    let mut workspaces: Vec<Workspace<f64>> = states.iter().map(|_| Workspace::of(model, &plan)).collect();
+    let mut group = LaneGroup::of(model, &plan);
+    // What the lanes held before does not matter, nor does one that holds nothing.
+    for empty in [0, 5] {
+        let mut pairs = states.iter().zip(&mut workspaces);
+        let faults = group.pass(core::array::from_fn(|lane| pairs.next().filter(|_| lane != empty)));
+        for (lane, fault) in faults.iter().enumerate().filter(|(lane, _)| *lane != empty) {
+            let mut alone = Workspace::of(model, &plan);
+            assert_eq!(forward(model, &states[lane], &mut alone).err(), *fault, "lane {lane}");
+            if fault.is_none() {
+                let together = &workspaces[lane];
+                assert!(alone.acceleration == together.acceleration && alone.constraint_force == together.constraint_force);
+                assert_eq!(alone.actuation.force, together.actuation.force, "lane {lane}");
+                let rows = |workspace: &Workspace<f64>| workspace.lanes[0].constraints.rows.force.clone();
+                assert_eq!(rows(&alone), rows(together), "lane {lane}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_fault_stops_its_episode_alone_until_it_is_set_again() {
     let model = human();
     let start = State::new(model);

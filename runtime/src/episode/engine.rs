@@ -53,7 +53,7 @@ pub struct Scratch {
 
 impl Scratch {
     /// Whether the forward pass is that of `state`.
-    fn is_of(&self, state: &State<f64>) -> bool {
+    pub(super) fn is_of(&self, state: &State<f64>) -> bool {
         self.holds && self.passed == *state
     }
 
@@ -90,15 +90,29 @@ impl Engine {
     /// # Errors
     /// A task for another body, or a control step that is not a whole number of physics steps.
     pub fn new(model: Arc<Model>, body: Arc<Body>, task: Arc<CompiledTask>) -> Result<Self, EpisodeError> {
+        let plan = Plan::new(&model);
+        Self::of(model, body, task, plan)
+    }
+
+    fn of(model: Arc<Model>, body: Arc<Body>, task: Arc<CompiledTask>, plan: Plan) -> Result<Self, EpisodeError> {
         if task.body.name != body.name {
             let (expected, found) = (task.body.name.clone(), body.name.clone());
             return Err(EpisodeError::Body { task: task.name.clone(), expected, found });
         }
         let substeps = substeps(&task, model.options.timestep)?;
         variation::check(&model, &body, &task.init)?;
-        let (plan, perturbation) = (Plan::new(&model), Perturbation::default());
+        let perturbation = Perturbation::default();
         let parts = parts(&model, &body, &task);
         Ok(Self { plan, substeps, parts, fatigue: None, perturbation, forces: true, observes: true, model, body, task })
+    }
+
+    /// Another task on the same model and body: what follows from the model is shared.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn beside(&self, task: Arc<CompiledTask>) -> Result<Self, EpisodeError> {
+        let Self { model, body, plan, .. } = self;
+        Self::of(Arc::clone(model), Arc::clone(body), task, plan.clone())
     }
 
     /// The same with muscles that tire.

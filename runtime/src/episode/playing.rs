@@ -17,12 +17,12 @@ pub type Placing<'a> = dyn FnMut(&Model, &Body, &mut State<f64>, &mut Workspace<
 
 impl Environment {
     /// Begins the episode `key` with what a script shows first. Randoms that are `given` (place, value) are not drawn.
-    /// `prepare` learns what was drawn before anything is placed.
+    /// `prepare` learns what was drawn before anything is placed, and may use the scratch.
     pub fn reset_playing(
         &mut self,
         key: EpisodeKey,
         given: &[(usize, Vec<f64>)],
-        prepare: &mut dyn FnMut(&TaskState),
+        prepare: &mut dyn FnMut(&TaskState, &mut Workspace<f64>),
         place: &mut Placing<'_>,
     ) {
         let mut player = self.beginning();
@@ -48,8 +48,27 @@ impl Environment {
     /// # Errors
     /// An episode that has ended.
     pub fn step_to(&mut self, place: &mut Placing<'_>) -> Result<&StepReport, EpisodeError> {
-        self.player().play(|player| player.show(place))?;
+        self.pose(place)?;
+        self.evaluate_pose();
         Ok(&self.episode.report)
+    }
+
+    /// The first half of [`step_to`](Self::step_to): everything is where the script has it. The forward pass is missing, which several
+    /// environments can make [together](super::PassGroup::pass), and the [second half](Self::evaluate_pose).
+    ///
+    /// # Errors
+    /// An episode that has ended.
+    pub fn pose(&mut self, place: &mut Placing<'_>) -> Result<(), EpisodeError> {
+        self.player().attempt(|player| player.pose(place))
+    }
+
+    /// The second half of [`step_to`](Self::step_to): passes forward unless that is done, and evaluates the task. An episode that has met a
+    /// fault in the first half stays as it is.
+    pub fn evaluate_pose(&mut self) {
+        let _ = self.player().attempt(|player| {
+            player.look()?;
+            player.reward()
+        });
     }
 
     /// Takes one control step in which nothing moves, after two or more that showed the same: only time passes.
@@ -57,16 +76,17 @@ impl Environment {
     /// # Errors
     /// An episode that has ended.
     pub fn hold(&mut self) -> Result<&StepReport, EpisodeError> {
-        self.player().play(|player| match player.engine.task.driven.is_empty() {
-            true => {
-                player.wait();
-                Ok(())
+        self.player().attempt(|player| {
+            match player.engine.task.driven.is_empty() {
+                true => player.wait(),
+                // Formulas of time go on.
+                false => {
+                    let activation = player.episode.state.activation.first().copied().unwrap_or(0.0);
+                    player.pose(&mut |_, _, _, _| Ok(activation))?;
+                    player.look()?;
+                }
             }
-            // Formulas of time go on.
-            false => {
-                let activation = player.episode.state.activation.first().copied().unwrap_or(0.0);
-                player.show(&mut |_, _, _, _| Ok(activation))
-            }
+            player.reward()
         })?;
         Ok(&self.episode.report)
     }
@@ -86,14 +106,14 @@ impl Player<'_> {
     fn start_playing(
         &mut self,
         given: &[(usize, Vec<f64>)],
-        prepare: &mut dyn FnMut(&TaskState),
+        prepare: &mut dyn FnMut(&TaskState, &mut Workspace<f64>),
         place: &mut Placing<'_>,
     ) -> Result<(), Fault> {
         let (model, body, task) = (&self.engine.model, &self.engine.body, &self.engine.task);
         let episode = &mut *self.episode;
         task.begin_given(&mut episode.streams, &mut episode.task, given)?;
         task.begin_disturbances(&episode.task, &mut episode.disturbances);
-        prepare(&episode.task);
+        prepare(&episode.task, &mut self.scratch.workspace);
         self.vary()?;
         let episode = &mut *self.episode;
         let activation = place(model, body, &mut episode.state, &mut self.scratch.workspace)?;
@@ -127,8 +147,8 @@ impl Player<'_> {
         Ok(())
     }
 
-    /// Puts everything where the script has it, and measures.
-    fn show(&mut self, place: &mut Placing<'_>) -> Result<(), Fault> {
+    /// Puts everything where the script has it.
+    fn pose(&mut self, place: &mut Placing<'_>) -> Result<(), Fault> {
         let (model, body) = (&self.engine.model, &self.engine.body);
         let before = self.episode.state.position.clone();
         self.scratch.forget();
@@ -140,11 +160,17 @@ impl Player<'_> {
         let state = &mut self.episode.state;
         differences(body, &before, state, period);
         state.time = f64::from(self.episode.task.step + 1) * period;
+        Ok(())
+    }
+
+    /// Measures what a script shows.
+    fn look(&mut self) -> Result<(), Fault> {
+        let (model, state) = (&self.engine.model, &self.episode.state);
         match self.engine.forces {
             true => self.scratch.pass(model, state)?,
             false => physics::motion(model, state, &mut self.scratch.workspace)?,
         }
-        self.measure(period);
+        self.measure(self.engine.control_period());
         Ok(())
     }
 
@@ -159,16 +185,22 @@ impl Player<'_> {
         }
     }
 
-    /// Takes one control step whose snapshot `measure` takes.
-    fn play(&mut self, measure: impl FnOnce(&mut Self) -> Result<(), Fault>) -> Result<(), EpisodeError> {
+    /// Takes a part of a control step; a fault in it ends the episode.
+    fn attempt(&mut self, part: impl FnOnce(&mut Self) -> Result<(), Fault>) -> Result<(), EpisodeError> {
         if self.episode.ending.is_some() {
             return Err(EpisodeError::Ended);
         }
         let steps = self.episode.steps();
-        if let Err(fault) = measure(self).and_then(|()| self.evaluate()).and_then(|_| self.add_up()) {
+        if let Err(fault) = part(self) {
             self.end_with(fault, steps);
         }
         Ok(())
+    }
+
+    /// Evaluates the task in the snapshot that has been taken.
+    fn reward(&mut self) -> Result<(), Fault> {
+        self.evaluate()?;
+        self.add_up()
     }
 
     /// Gives all muscles one activation, its excitation, and the action that asks for it.

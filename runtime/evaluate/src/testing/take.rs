@@ -5,7 +5,7 @@ use super::returns::{Returns, Tally};
 use crate::rollout::Rollout;
 use msk_physics::Workspace;
 use msk_program::task::TaskState;
-use msk_program::testing::Take;
+use msk_program::testing::{Run, Take};
 use msk_runtime::episode::{Ending, Environment, EpisodeKey};
 use msk_runtime::policy::{self, PolicyError, PolicySource};
 use msk_runtime::script::Script;
@@ -75,8 +75,8 @@ impl Played {
     }
 }
 
-/// Plays a take, with the policy that is tested if there is one; metrics are kept at the `wanted` steps. The end that is reported is that of the time that it gives,
-/// however far it is played. `look` sees the environment after its reset and after every control step of what is played.
+/// Plays a take, with the policy that is tested if there is one; metrics are kept at the `wanted` steps. `look` sees the environment after its
+/// reset and after every control step of what is played.
 pub(super) fn play(
     episode: &mut Environment,
     take: &Take,
@@ -84,53 +84,108 @@ pub(super) fn play(
     (extent, tested): (Extent, Option<&PolicySource>),
     look: &mut dyn FnMut(&Environment),
 ) -> Result<Played, TestError> {
-    if let Some(count) = take.resets {
-        return Ok(reset(episode, take, count));
+    let mut playing = Playing::begin(episode, take, wanted, (extent, tested));
+    if take.resets.is_none() {
+        look(episode);
     }
-    let key = EpisodeKey::default();
-    let script = begin(episode, take, key);
-    let task = episode.task().clone();
-    let until = take.until.unwrap_or(task.horizon);
-    let end = if extent == Extent::Horizon { task.horizon } else { until };
-    let script_ends = take.run.as_ref().map_or(end, |run| run.from);
-    let mut watch = Watch { wanted, until, kept: Vec::new(), over: None, tally: Tally::new(&task), look };
-    (watch.look)(episode);
-    if watch.wanted.contains(&0) && episode.ending().is_none() {
-        watch.kept.push((0, Seen::now(episode)));
-    }
-    while episode.ending().is_none() && episode.steps() < script_ends {
-        let next = episode.steps() + 1;
-        match &script {
-            // Two steps after the last keyframe nothing changes any more but time.
-            Some(script) if next <= script.last() + 2 => {
-                episode.step_to(&mut |model, body, state, workspace| script.place(next, model, body, state, workspace))?;
-            }
-            _ => {
-                episode.hold()?;
-            }
-        }
-        watch.step(episode);
-    }
-    if let Some(run) = take.run.as_ref().filter(|_| episode.ending().is_none()) {
-        episode.end_script();
-        // A process that does not answer is given up at its time limit.
-        let stop = AtomicBool::new(false);
-        let mut policy = match run.is_of_given_policy() {
-            true => tested.ok_or(PolicyError::NotGiven)?.open(&stop)?,
-            false => policy::create(&run.policy)?,
-        };
-        let mut rollout = Rollout::resume(episode, policy.as_mut())?;
-        while rollout.episode.ending().is_none() && rollout.episode.steps() < end {
-            rollout.step::<TestError>()?;
-            watch.step(rollout.episode);
-        }
-    }
-    let (last, steps, ending) = watch.over.unwrap_or_else(|| over(episode));
-    Ok(Played { kept: watch.kept, last, resets: Vec::new(), steps, ending, returns: watch.tally.finish(episode) })
+    while playing.advance(episode, look)? {}
+    Ok(playing.finish(episode))
 }
 
-/// Resets the first episodes of seed 0, up to one that meets a fault.
-fn reset(episode: &mut Environment, take: &Take, count: u32) -> Played {
+/// A take that is being played, always in the same environment.
+pub(super) struct Playing<'a> {
+    script: Option<Script>,
+    run: Option<Run>,
+    /// The policy that is tested.
+    tested: Option<&'a PolicySource>,
+    /// When the script is over, and when all is: control steps.
+    ends: [u32; 2],
+    /// Whether a pose waits for its forward pass.
+    posed: bool,
+    watch: Watch,
+    resets: Vec<Seen>,
+}
+
+impl<'a> Playing<'a> {
+    /// Resets the environment. The end that is reported is that of the time that the take gives, however far it is played.
+    pub(super) fn begin(
+        episode: &mut Environment,
+        take: &Take,
+        wanted: BTreeSet<u32>,
+        (extent, tested): (Extent, Option<&'a PolicySource>),
+    ) -> Self {
+        let task = episode.task().clone();
+        let until = take.until.unwrap_or(task.horizon);
+        let mut playing = Self {
+            script: None,
+            run: take.run.clone().filter(|_| take.resets.is_none()),
+            tested,
+            ends: [0; 2],
+            posed: false,
+            watch: Watch { wanted, until, kept: Vec::new(), over: None, tally: Tally::new(&task) },
+            resets: Vec::new(),
+        };
+        match take.resets {
+            Some(count) => playing.resets = reset(episode, take, count),
+            None => {
+                playing.script = begin(episode, take, EpisodeKey::default());
+                let end = if extent == Extent::Horizon { task.horizon } else { until };
+                playing.ends = [take.run.as_ref().map_or(end, |run| run.from), end];
+                playing.watch.begin(episode);
+            }
+        }
+        playing
+    }
+
+    /// Goes on until a pose waits for its [forward pass](msk_runtime::episode::PassGroup::pass); gives whether one does, else the take is
+    /// over.
+    pub(super) fn advance(&mut self, episode: &mut Environment, look: &mut dyn FnMut(&Environment)) -> Result<bool, TestError> {
+        let [script_ends, end] = self.ends;
+        if std::mem::take(&mut self.posed) {
+            episode.evaluate_pose();
+            self.watch.step(episode);
+            look(episode);
+        }
+        while episode.ending().is_none() && episode.steps() < script_ends {
+            let next = episode.steps() + 1;
+            // Two steps after the last keyframe nothing changes any more but time.
+            if let Some(script) = self.script.as_ref().filter(|script| next <= script.last() + 2) {
+                episode.pose(&mut |model, body, state, workspace| script.place(next, model, body, state, workspace))?;
+                self.posed = true;
+                return Ok(true);
+            }
+            episode.hold()?;
+            self.watch.step(episode);
+            look(episode);
+        }
+        if let Some(run) = self.run.take().filter(|_| episode.ending().is_none()) {
+            episode.end_script();
+            // A process that does not answer is given up at its time limit.
+            let stop = AtomicBool::new(false);
+            let mut policy = match run.is_of_given_policy() {
+                true => self.tested.ok_or(PolicyError::NotGiven)?.open(&stop)?,
+                false => policy::create(&run.policy)?,
+            };
+            let mut rollout = Rollout::resume(episode, policy.as_mut())?;
+            while rollout.episode.ending().is_none() && rollout.episode.steps() < end {
+                rollout.step::<TestError>()?;
+                self.watch.step(rollout.episode);
+                look(rollout.episode);
+            }
+        }
+        Ok(false)
+    }
+
+    /// What a take that is over has shown.
+    pub(super) fn finish(self, episode: &Environment) -> Played {
+        let Self { watch, resets, .. } = self;
+        let (last, steps, ending) = watch.over.unwrap_or_else(|| over(episode));
+        Played { kept: watch.kept, last, resets, steps, ending, returns: watch.tally.finish(episode) }
+    }
+}
+
+/// Resets the first episodes of seed 0, up to one that meets a fault: what was seen of each.
+fn reset(episode: &mut Environment, take: &Take, count: u32) -> Vec<Seen> {
     let mut resets = Vec::new();
     for number in 0..count {
         episode.reset_given(EpisodeKey { episode: number.into(), ..EpisodeKey::default() }, &take.given);
@@ -139,13 +194,11 @@ fn reset(episode: &mut Environment, take: &Take, count: u32) -> Played {
             break;
         }
     }
-    let task = episode.task().clone();
-    let (last, steps, ending) = over(episode);
-    Played { kept: Vec::new(), last, resets, steps, ending, returns: Tally::new(&task).finish(episode) }
+    resets
 }
 
 /// What is looked at while a take is played.
-struct Watch<'a> {
+struct Watch {
     /// At these steps metrics are kept.
     wanted: BTreeSet<u32>,
     /// When the take is over by its own account.
@@ -154,13 +207,17 @@ struct Watch<'a> {
     /// What was there then.
     over: Option<(Seen, u32, Option<Ending>)>,
     tally: Tally,
-    look: &'a mut dyn FnMut(&Environment),
 }
 
-impl Watch<'_> {
+impl Watch {
+    fn begin(&mut self, episode: &Environment) {
+        if self.wanted.contains(&0) && episode.ending().is_none() {
+            self.kept.push((0, Seen::now(episode)));
+        }
+    }
+
     fn step(&mut self, episode: &Environment) {
         self.tally.add(episode);
-        (self.look)(episode);
         if self.wanted.contains(&episode.steps()) && !episode.report().metrics.is_empty() {
             self.kept.push((episode.steps(), Seen::now(episode)));
         }
@@ -183,10 +240,9 @@ pub(super) fn begin(episode: &mut Environment, take: &Take, key: EpisodeKey) -> 
     let context = episode.context();
     let (model, body, task) = (context.model.clone(), context.body.clone(), episode.task().clone());
     let script = std::cell::OnceCell::new();
-    let mut scratch = Workspace::new(&model);
-    let mut prepare = |drawn: &TaskState| {
+    let mut prepare = |drawn: &TaskState, scratch: &mut Workspace<f64>| {
         // Called once, before anything is placed.
-        let _ = script.set(Script::new(&take.script, &task, drawn, &model, &body, &mut scratch));
+        let _ = script.set(Script::new(&take.script, &task, drawn, &model, &body, scratch));
     };
     episode.reset_playing(key, &take.given, &mut prepare, &mut |model, body, state, workspace| {
         let activation = match script.get() {

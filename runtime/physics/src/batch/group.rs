@@ -197,15 +197,44 @@ impl LaneGroup {
     /// that are not wanted, and its rates over the rates. A lane's own contacts and rows are handed out, so it can be done once after each
     /// pass.
     pub fn store_passes(&mut self, passes: [Option<(&mut Workspace<f64>, &mut Rates)>; WIDTH], parts: Parts) {
-        let from = &mut self.workspace;
         let mut workspaces: PerLane<&mut Workspace<f64>> = Default::default();
         for (lane, (place, pass)) in workspaces.iter_mut().zip(passes).enumerate() {
             let Some((workspace, rates)) = pass else { continue };
-            if let Some(own) = workspace.lanes.first_mut() {
-                core::mem::swap(own, &mut from.lanes[lane]);
-            }
-            rates.read_lane(from, lane);
+            rates.read_lane(&self.workspace, lane);
             *place = Some(workspace);
+        }
+        self.store(workspaces, parts);
+    }
+
+    /// Passes several states forward and takes no step: each workspace comes to hold what [`forward`](crate::forward) writes, all but the
+    /// factor of the mass matrix. A workspace whose state meets a [`Fault`] stays as it was.
+    ///
+    /// What the lanes have held before is lost.
+    pub fn pass(&mut self, episodes: [Option<(&State<f64>, &mut Workspace<f64>)>; WIDTH]) -> [Option<Fault>; WIDTH] {
+        let mut workspaces: PerLane<&mut Workspace<f64>> = Default::default();
+        let mut states: PerLane<&State<f64>> = [None; WIDTH];
+        for (lane, (state, workspace)) in episodes.into_iter().enumerate().filter_map(|(lane, pair)| Some((lane, pair?))) {
+            (states[lane], workspaces[lane]) = (Some(state), Some(workspace));
+        }
+        OneLane::write_lanes(&states, &mut self.state);
+        self.workspace.masked.iter_mut().zip(&states).for_each(|(masked, state)| *masked = state.is_none());
+        self.faults = Default::default();
+        let _ = stepping::forward(&self.model, &self.state, &mut self.workspace);
+        self.workspace.take_faults(&mut self.faults);
+        for (workspace, fault) in workspaces.iter_mut().zip(&self.faults) {
+            workspace.take_if(|_| fault.is_some());
+        }
+        self.store(workspaces, Parts::ALL);
+        core::mem::take(&mut self.faults)
+    }
+
+    /// Writes the forward pass of each lane that is asked for over the workspace given, as far as it is wanted.
+    fn store(&mut self, mut workspaces: PerLane<&mut Workspace<f64>>, parts: Parts) {
+        let from = &mut self.workspace;
+        for (place, lane) in workspaces.iter_mut().zip(&mut from.lanes) {
+            if let Some(own) = place.as_mut().and_then(|workspace| workspace.lanes.first_mut()) {
+                core::mem::swap(own, lane);
+            }
         }
         macro_rules! read {
             ($($field:ident),*) => {$(
