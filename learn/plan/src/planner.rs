@@ -92,10 +92,15 @@ impl Planning {
         };
         let Settings { rough, avoid_success, .. } = *settings;
         let hold = hold.max(1);
-        let extent = Extent { steps, hold, rough, avoid_success, balance: false, rest, follow };
+        let mut extent = Extent { steps, hold, rough, avoid_success, balance: false, rest, follow };
         let look = Look { context, imaginer: &imaginer, extent, steps: look, stop };
         let (space, plan) = look.choose(space, settings)?;
         let (width, search) = (space.size(context), Search::around(plan, settings));
+        if !space.pace().is_empty() {
+            // A gait that goes wrong does so within two more steps.
+            extent.steps[1] = extent.steps[1].max(self::steps(STRIDE, context.task.control_frequency));
+        }
+        let steps = extent.steps;
         Ok(Self {
             engine: context.engine.clone(),
             imaginer,
@@ -177,6 +182,9 @@ impl Planning {
         }
     }
 }
+
+/// For how long a gait is judged at least after the end of a plan, s.
+const STRIDE: f64 = 1.0;
 
 /// Control steps that come nearest to a time, s.
 fn steps(time: f64, frequency: f64) -> u32 {

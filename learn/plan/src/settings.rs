@@ -64,7 +64,7 @@ pub enum SpaceChoice {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Targets {
-    /// Names of joints and of groups of joints; empty for legs, lumbar spine, shoulders and elbows, as far as the body has them.
+    /// Names of joints and of groups of joints; empty for legs, lumbar spine, shoulders and elbows, as far as the body has them, and for none of a gait.
     pub joints: Vec<String>,
     /// Largest offset of a joint, rad.
     pub joint_range: f64,
@@ -76,7 +76,7 @@ pub struct Targets {
     pub root: f64,
     /// Largest factor by which balance and resting feet count more or less against the joints; 1 where they count as ever.
     pub priority_factor: f64,
-    /// Largest speeds of a gait forward and to the left, m/s, and of its turn, rad/s.
+    /// Largest speeds of a gait forward and to the left, m/s, and of its turn, rad/s. Nothing else of a gait's balance is moved.
     pub pace: [f64; 3],
     /// What has the targets that are moved.
     pub along: Along,
@@ -107,7 +107,7 @@ impl Default for Targets {
             center_of_mass: 0.15,
             root: 0.4,
             priority_factor: 4.0,
-            pace: [0.8, 0.3, 0.6],
+            pace: [0.8, 0.2, 0.5],
             along: Along::Auto,
         }
     }

@@ -158,18 +158,19 @@ fn paces(space: &ActionSpace) -> Range<usize> {
 fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace, Vec<f64>), String> {
     let range = targets.joint_range.at_least(targets.arm_range);
     let walks = targets.along == Along::Gait;
-    // The legs of a gait go where its feet are to be.
-    let usual = if walks { &USUAL[1..] } else { &USUAL[..] };
+    // What moves the body of a gait disturbs it: joints are moved only where they are named.
+    let usual = if walks { &[] } else { &USUAL[..] };
     let joints = if range > 0.0 { joints(context.body, &targets.joints, usual)? } else { Vec::new() };
     let arms: Vec<usize> = ARMS.iter().filter_map(|name| group(context.body, name)).flatten().collect();
     let own_range = |joint: &usize| if arms.contains(joint) { targets.arm_range } else { targets.joint_range };
     let shares = joints.iter().map(|joint| own_range(joint) / range).collect();
+    let moved = |range: f64| if context.body.root.free.is_some() && !walks { range } else { 0.0 };
     let offsets = TrackingOffsets {
         joints,
         range,
-        center_of_mass: if context.body.root.free.is_some() { targets.center_of_mass } else { 0.0 },
-        root: if context.body.root.free.is_some() { targets.root } else { 0.0 },
-        priorities: if context.body.root.free.is_some() { libm::log(targets.priority_factor) } else { 0.0 },
+        center_of_mass: moved(targets.center_of_mass),
+        root: moved(targets.root),
+        priorities: moved(libm::log(targets.priority_factor)),
         walk: if walks { targets.pace } else { [0.0; 3] },
     };
     if offsets.size() == 0 {
@@ -196,7 +197,7 @@ fn joints(body: &Body, names: &[String], usual: &[&str]) -> Result<Vec<usize>, S
     if names.is_empty() {
         let usual: Vec<usize> = usual.iter().filter_map(|name| group(body, name)).flatten().collect();
         let found: Vec<usize> = hinges().filter(|index| usual.contains(index)).collect();
-        return Ok(if found.is_empty() { hinges().collect() } else { found });
+        return Ok(if found.is_empty() && !usual.is_empty() { hinges().collect() } else { found });
     }
     let mut chosen = Vec::new();
     for name in names {

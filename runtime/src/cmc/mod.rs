@@ -80,7 +80,7 @@ pub enum ControlError {
         found: usize,
     },
     /// Nothing to walk on.
-    #[error("a gait takes a free root and two feet: a group `feet` of a left and a right landmark with shapes")]
+    #[error("a gait takes a free root and two feet: a group `feet` of two landmarks with shapes")]
     NoGait,
     /// Nothing to follow.
     #[error("no test of `{task}` plays a script up to `expect success`")]
@@ -170,10 +170,10 @@ enum Guide {
     Pose,
     /// Something that moves, since that control step.
     Course {
-        follower: Follower,
+        follower: Box<Follower>,
         since: u32,
     },
-    Gait(Gait),
+    Gait(Box<Gait>),
 }
 
 impl Controller {
@@ -212,7 +212,8 @@ impl Controller {
             Some(course) => {
                 // Whatever foot the motion stands on.
                 self.support = Support::new(present.body);
-                Guide::Course { follower: Follower::new(course, self.hold.duration(), present), since }
+                let follower = Box::new(Follower::new(course, self.hold.duration(), present));
+                Guide::Course { follower, since }
             }
             None => Guide::Pose,
         };
@@ -222,7 +223,7 @@ impl Controller {
     fn walk(&mut self, present: &Present<'_>) -> Result<(), ControlError> {
         self.support = Support::new(present.body);
         self.support.update(present.model, &present.workspace.kinematics);
-        self.guide = Guide::Gait(Gait::new(present, &self.support)?);
+        self.guide = Guide::Gait(Box::new(Gait::new(present, &self.support)?));
         Ok(())
     }
 
@@ -234,7 +235,7 @@ impl Controller {
     /// What of it a later action depends on: the offset of the centre of mass, where the search of the last allocation ended, and the step of a gait.
     fn memory(&self) -> (Vector3<f64>, &Memory, Option<&Gait>) {
         let gait = match &self.guide {
-            Guide::Gait(gait) => Some(gait),
+            Guide::Gait(gait) => Some(gait.as_ref()),
             Guide::Pose | Guide::Course { .. } => None,
         };
         (self.offset, &self.memory, gait)

@@ -113,7 +113,7 @@ impl Gait {
     /// Of a body as it is, whose feet have these points.
     ///
     /// # Errors
-    /// A body that is not free, or has not a left and a right foot.
+    /// A body that is not free, or has not two feet.
     pub fn new(present: &Present<'_>, support: &Support) -> Result<Self, ControlError> {
         let &Present { body, state, workspace, .. } = present;
         let (place, _) = body.root.free.ok_or(ControlError::NoGait)?;
@@ -291,24 +291,21 @@ impl Gait {
     }
 }
 
-/// The left and the right foot of a body that faces there, if it has just these.
+/// The left and the right foot of a body that faces there, if it has two.
 fn feet(present: &Present<'_>, support: &Support, heading: f64) -> Option<[Foot; 2]> {
     let body: &Body = present.body;
-    let left = turning::level(Vector2::new(0.0, 1.0), heading);
-    let root = present.workspace.kinematics.body_position[body.root.body].xy();
     let foot = |(landmark, keys): (usize, Range<usize>)| {
         let landmark = &body.landmarks[landmark];
         let mut foot = Foot { body: landmark.body, axes: landmark.axes, keys, side: 1.0, toes: 0.0 };
         let placed = foot.placed(present, &support.points);
-        foot.side = if (placed.middle.xy() - root).dot(&left) > 0.0 { 1.0 } else { -1.0 };
         // As far out as it is now; a foot on its way may point anywhere.
         foot.toes = turning::between(heading, placed.heading).clip(-0.3, 0.3);
-        foot
+        (turning::level(placed.middle.xy(), -heading).y, foot)
     };
-    let mut feet: Vec<Foot> = Support::landmarks(body).zip(support.keys()).map(foot).collect();
-    feet.sort_by(|a, b| b.side.total_cmp(&a.side));
-    let feet: [Foot; 2] = feet.try_into().ok()?;
-    (feet[0].side > feet[1].side).then_some(feet)
+    let mut feet: Vec<(f64, Foot)> = Support::landmarks(body).zip(support.keys()).map(foot).collect();
+    feet.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let [(_, left), (_, right)] = <[(f64, Foot); 2]>::try_from(feet).ok()?;
+    Some([left, Foot { side: -1.0, ..right }])
 }
 
 /// Of the common centre of mass of all that the root carries, m/s.

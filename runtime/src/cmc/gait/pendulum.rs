@@ -124,7 +124,7 @@ mod tests {
             capture in prop::array::uniform2(-0.2..0.2_f64), velocity in prop::array::uniform2(-0.5..0.8_f64),
         ) {
             let pendulum = Pendulum::new(0.9, 9.81);
-            let across = |step: usize| Vector2::new(0.0, if step % 2 == 0 { 0.18 } else { -0.18 });
+            let across = |step: usize| Vector2::new(0.0, if step.is_multiple_of(2) { 0.18 } else { -0.18 });
             let (mut before, mut stance, mut capture) = (vector([0.0, 0.18]), Vector2::zeros(), vector(capture));
             let mut ways = Vec::new();
             for step in 0..6 {
