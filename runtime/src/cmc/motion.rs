@@ -104,7 +104,8 @@ fn carried<T: Real>(kinematics: &Kinematics<T>, dof: usize, arm: &Vector3<T>) ->
     linear + cross(angular, arm)
 }
 
-fn is_below(model: &Model, mut body: usize, ancestor: usize) -> bool {
+/// Whether a body is another one, or hangs on it.
+pub(super) fn is_below(model: &Model, mut body: usize, ancestor: usize) -> bool {
     // Parents come before their children.
     while body > ancestor {
         body = model.bodies.parent[body];

@@ -11,12 +11,12 @@ mod step;
 
 pub(super) use step::Step;
 
+use super::motion::is_below;
 use super::support::{Point, Support};
 use super::{ControlError, Present, turning};
-use crate::body::Body;
 use crate::body::sensors::Snapshot;
 use core::ops::Range;
-use msk_physics::model::rotation;
+use msk_physics::model::{Model, rotation};
 use msk_physics::scalar::Real;
 use msk_program::task::RootPlacement;
 use nalgebra::{Vector2, Vector3};
@@ -33,16 +33,18 @@ pub(crate) struct Walk {
 }
 
 /// Between the middles of the soles of a body that goes straight on, m; the least; and how far a foot reaches ahead, back and to its side, m.
-const WIDTH: f64 = 0.18;
+const WIDTH: f64 = 0.2;
 const LEAST_WIDTH: f64 = 0.11;
 const REACH: [f64; 3] = [0.7, -0.6, 0.5];
+/// How far out or in a foot points at most, rad.
+const TOES: f64 = 0.1;
 /// How far the centre of pressure may be from the middle of a sole, forward and to the side, m.
 const SOLE: [f64; 2] = [0.065, 0.03];
 /// By how much a body that walks is lower than one that stands, m, so that its knees are bent, and how far it leans forward, rad.
 const LOWER: f64 = 0.046;
 const LEAN: f64 = 0.054;
 /// The greatest pace with which a gait begins, m/s: one of a body that comes faster makes shorter steps than it needs, and slows down.
-const BEGINNING: f64 = 0.6;
+const BEGINNING: f64 = 0.4;
 /// How fast a pace changes, m/s² and rad/s².
 const QUICKENING: f64 = 1.0;
 const TURNING: f64 = 1.3;
@@ -293,19 +295,32 @@ impl Gait {
 
 /// The left and the right foot of a body that faces there, if it has two.
 fn feet(present: &Present<'_>, support: &Support, heading: f64) -> Option<[Foot; 2]> {
-    let body: &Body = present.body;
+    let &Present { body, model, workspace, .. } = present;
     let foot = |(landmark, keys): (usize, Range<usize>)| {
         let landmark = &body.landmarks[landmark];
         let mut foot = Foot { body: landmark.body, axes: landmark.axes, keys, side: 1.0, toes: 0.0 };
-        let placed = foot.placed(present, &support.points);
         // As far out as it is now; a foot on its way may point anywhere.
-        foot.toes = turning::between(heading, placed.heading).clip(-0.3, 0.3);
-        (turning::level(placed.middle.xy(), -heading).y, foot)
+        foot.toes = turning::between(heading, foot.placed(present, &support.points).heading).clip(-TOES, TOES);
+        foot
     };
-    let mut feet: Vec<(f64, Foot)> = Support::landmarks(body).zip(support.keys()).map(foot).collect();
-    feet.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let [(_, left), (_, right)] = <[(f64, Foot); 2]>::try_from(feet).ok()?;
+    let feet: Vec<Foot> = Support::landmarks(body).zip(support.keys()).map(foot).collect();
+    let [first, second] = <[Foot; 2]>::try_from(feet).ok()?;
+    // Feet may cross; the hips, where the legs part, do not.
+    let hips = [hip(model, first.body, second.body), hip(model, second.body, first.body)];
+    let kinematics = &workspace.kinematics;
+    let left = kinematics.body_rotation[body.root.body] * body.root.axes.column(1);
+    let aside = hips.map(|hip| kinematics.body_position[hip].dot(&left));
+    let [left, right] = if aside[0] > aside[1] { [first, second] } else { [second, first] };
     Some([left, Foot { side: -1.0, ..right }])
+}
+
+/// The body nearest to the root that carries a foot, and not the other.
+fn hip(model: &Model, foot: usize, other: usize) -> usize {
+    let mut hip = foot;
+    while hip > 0 && !is_below(model, other, model.bodies.parent[hip]) {
+        hip = model.bodies.parent[hip];
+    }
+    hip
 }
 
 /// Of the common centre of mass of all that the root carries, m/s.
