@@ -67,6 +67,16 @@ fn a_plan_does_what_the_reward_asks_for() {
 }
 
 #[test]
+fn a_planner_walks_where_that_earns_most() {
+    let low = ("early when step > 100", "low when pelvis.height < 0.7 m");
+    let mut environment = rewarded("1 onward = clip(com.velocity.x / 1 m/s, 0, 1)", &[low]);
+    let settings = Settings { look: 2.0, horizon: 0.3, replan: 25, ..quick() };
+    planned(&mut environment, &settings, 190);
+    let earned = environment.episode().total();
+    assert!(environment.ending().is_none() && earned > 30.0, "{earned} of 190 at 1 m/s: {:?}", environment.ending());
+}
+
+#[test]
 fn a_planner_that_avoids_success_earns_without_it() {
     let parts = [("horizon 200 steps", "horizon 60 steps"), ("success survived", "success elbow_flexion_r.q > 0.5 rad")];
     let mut environment = rewarded(BENT, &parts);

@@ -1,10 +1,10 @@
 //! Plays one episode under a planner and prints what came of it, for measurements:
 //!
 //! ```text
-//! cargo run --release -p msk-plan --example measure -- FILE TASK [SETTINGS | cmc] [SEED] [STEPS]
+//! cargo run --release -p msk-plan --example measure -- FILE TASK [SETTINGS | POLICY] [SEED] [STEPS]
 //! ```
 //!
-//! SETTINGS is what follows `plan` on the command line of `msk`: a preset, or a file.
+//! SETTINGS is what follows `plan` on the command line of `msk`: a preset, or a file. POLICY is a built-in one, such as `cmc` or `"gait 0.9"`.
 
 use msk_compiler::compile;
 use msk_runtime::episode::{Environment, EpisodeKey};
@@ -24,11 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let task = compilation.tasks.iter().find(|task| task.name == *name).ok_or("no such task")?.clone();
     let stage = bodies.stage(&task.body, &task.scene)?;
     let mut environment = Environment::new(stage.model, stage.body, task.clone())?;
-    let source = match settings.unwrap_or("fast") {
-        built_in if built_in.starts_with("gait") || matches!(built_in, "cmc" | "demonstration") => {
-            PolicySource::built_in(built_in)?
-        }
-        settings => msk_plan::source(&format!("plan {settings}")).ok_or("no planner")??,
+    let settings = settings.unwrap_or("fast");
+    let source = match PolicySource::built_in(settings) {
+        Ok(built_in) => built_in,
+        Err(_) => msk_plan::source(&format!("plan {settings}")).ok_or("no planner")??,
     };
     let never = AtomicBool::new(false);
     let mut policy = source.open(&never)?;
@@ -37,7 +36,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     policy.reset(&environment.context())?;
     let mut action = environment.engine().action(policy.acts_on());
     let start = Instant::now();
-    let begin = environment.context().state.position.clone();
     while environment.ending().is_none() && environment.steps() < most {
         policy.act(&environment.context(), &mut action.entries)?;
         environment.step(&action)?;
@@ -47,9 +45,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         none if none.is_empty() => format!("{ending:?}"),
         conditions => conditions,
     });
-    let end = environment.context().state.position.clone();
-    let away: Vec<f64> = (0..3).map(|axis| end[axis] - begin[axis]).collect();
-    eprintln!("AWAY {:.3} {:.3} {:.3}", away[0], away[1], 2.0 * libm_atan(end[6], end[3]) - 2.0 * libm_atan(begin[6], begin[3]));
     let total = environment.episode().total();
     println!(
         "{name} {}: {time:.2} s, {ending}, success {}, return {total:.0}, {:.2} per step, {:.1} s of clock time per second",
@@ -59,8 +54,4 @@ fn main() -> Result<(), Box<dyn Error>> {
         start.elapsed().as_secs_f64() / time,
     );
     Ok(())
-}
-
-fn libm_atan(a: f64, b: f64) -> f64 {
-    a.atan2(b)
 }

@@ -20,7 +20,7 @@ const PACES: [[f64; 3]; 8] = [
     [0.5, 0.0, -0.7],
 ];
 
-/// A comparison of choices at the beginning of an episode.
+/// A comparison of choices at the start of an episode.
 pub(crate) struct Look<'a> {
     pub context: &'a PolicyContext<'a>,
     pub imaginer: &'a Imaginer,
@@ -66,15 +66,16 @@ impl Look<'_> {
             let plans = PACES.map(paced).to_vec();
             (space, plans)
         }));
-        let worths: Vec<Vec<Worth>> = choices.iter().map(|(space, plans)| self.worths(space, plans)).collect();
-        // Of those that are worth the same the first.
-        let best = worths.iter().flatten().copied().fold(Worth::default(), |best, worth| if worth > best { worth } else { best });
-        let place = worths
-            .iter()
-            .enumerate()
-            .find_map(|(choice, worths)| Some((choice, worths.iter().position(|worth| *worth == best)?)));
-        // None of them was imagined to its end where the run is to stop.
-        let (choice, plan) = place.unwrap_or_default();
+        // Of those that are worth the same the first; where the run is to stop, none was imagined to its end.
+        let (mut best, mut chosen) = (Worth::default(), (0, 0));
+        for (choice, (space, plans)) in choices.iter().enumerate() {
+            for (plan, worth) in self.worths(space, plans).into_iter().enumerate() {
+                if worth > best {
+                    (best, chosen) = (worth, (choice, plan));
+                }
+            }
+        }
+        let (choice, plan) = chosen;
         let (space, mut plans) = choices.swap_remove(choice);
         Ok((space, plans.swap_remove(plan)))
     }

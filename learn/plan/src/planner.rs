@@ -77,10 +77,9 @@ impl Planning {
     fn new(context: &PolicyContext<'_>, settings: &Settings, before: Option<Self>, stop: &AtomicBool) -> Result<Self, String> {
         let space = Space::new(context, settings.space, &settings.targets)?;
         let rest = space.rest(context);
-        let [horizon, tail, hold, look] = [settings.horizon, settings.tail, settings.hold, settings.look]
-            .map(|time| steps(time, context.task.control_frequency));
-        let steps = [horizon, tail];
-        if steps[0] == 0 {
+        let in_steps = |time: f64| steps(time, context.task.control_frequency);
+        let horizon = in_steps(settings.horizon);
+        if horizon == 0 {
             let (horizon, period) = (settings.horizon, context.engine.control_period());
             return Err(format!("its horizon of {horizon} s is shorter than a control step of {period} s"));
         }
@@ -91,27 +90,26 @@ impl Planning {
             _ => Imaginer::new(context.engine.imagining(settings.coarseness).map_err(|error| error.to_string())?),
         };
         let Settings { rough, avoid_success, .. } = *settings;
-        let hold = hold.max(1);
+        let (steps, hold) = ([horizon, in_steps(settings.tail)], in_steps(settings.hold).max(1));
         let mut extent = Extent { steps, hold, rough, avoid_success, balance: false, rest, follow };
-        let look = Look { context, imaginer: &imaginer, extent, steps: look, stop };
+        let look = Look { context, imaginer: &imaginer, extent, steps: in_steps(settings.look), stop };
         let (space, plan) = look.choose(space, settings)?;
         let (width, search) = (space.size(context), Search::around(plan, settings));
         if !space.pace().is_empty() {
             // A gait that goes wrong does so within two more steps.
-            extent.steps[1] = extent.steps[1].max(self::steps(STRIDE, context.task.control_frequency));
+            extent.steps[1] = extent.steps[1].max(in_steps(STRIDE));
         }
-        let steps = extent.steps;
         Ok(Self {
             engine: context.engine.clone(),
             imaginer,
             space,
             search,
             judge: Judge {
-                steps,
+                steps: extent.steps,
                 tail_weight: settings.tail_weight,
                 failure_price: settings.failure_price * context.task.control_frequency,
                 balance_price: settings.balance_price * context.task.control_frequency,
-                change_price: settings.change_price * f64::from(steps[0]),
+                change_price: settings.change_price * f64::from(horizon),
             },
             extent,
             planned: None,

@@ -208,7 +208,7 @@ impl Snapshot<'_> {
 
     /// Velocity of the material point of `body` that is at `point`: v = v_c + ω × (p - c), where the body's spatial velocity
     /// refers to c, the centre of mass of its kinematic tree.
-    pub(crate) fn velocity_of(&self, body: usize, point: Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn velocity_of(&self, body: usize, point: Vector3<f64>) -> Vector3<f64> {
         let [angular, linear] = self.workspace.velocities.body[body];
         let centre = self.workspace.kinematics.subtree_com[self.model.bodies.root[body]];
         linear + angular.cross(&(point - centre))
@@ -242,9 +242,13 @@ impl Snapshot<'_> {
 
     /// Velocity of the body's own centre of mass: momentum over mass.
     pub(super) fn com_velocity(&self) -> Vector3<f64> {
+        self.momentum(self.body.own()) / self.body.own_mass(self.model, &self.workspace.kinematics)
+    }
+
+    /// Momentum of these bodies, kg m/s.
+    pub(crate) fn momentum(&self, bodies: impl Iterator<Item = usize>) -> Vector3<f64> {
         let kinematics = &self.workspace.kinematics;
-        let moves = |body: usize| self.velocity_of(body, kinematics.inertial_position[body]) * kinematics.mass[body];
-        self.body.own().map(moves).sum::<Vector3<f64>>() / self.body.own_mass(self.model, kinematics)
+        bodies.map(|body| self.velocity_of(body, kinematics.inertial_position[body]) * kinematics.mass[body]).sum()
     }
 
     /// Angular momentum about the body's own centre of mass: Σ R I R'ω + m (x - c) × (v - v_c).

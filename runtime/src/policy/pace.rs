@@ -20,19 +20,19 @@ impl Pace {
     pub fn read(text: &str) -> Result<Self, PolicyError> {
         let wrong = |reason: String| PolicyError::Gait { text: text.to_owned(), reason };
         let mut walk = [0.0; 3];
-        let words: Vec<&str> = text.split_whitespace().skip(1).collect();
-        if words.len() > walk.len() {
-            return Err(wrong(format!("has {} numbers", words.len())));
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let numbers = words.get(1..).unwrap_or_default();
+        if numbers.len() > walk.len() {
+            return Err(wrong(format!("has {} numbers", numbers.len())));
         }
-        for ((speed, word), most) in walk.iter_mut().zip(&words).zip(Self::MOST) {
+        for ((speed, word), most) in walk.iter_mut().zip(numbers).zip(Self::MOST) {
             *speed = word.parse().map_err(|_| wrong(format!("has `{word}` for a number")))?;
             // Not a number is not within any bounds.
             if !(-most..=most).contains(speed) {
                 return Err(wrong(format!("has {word}, which is not within -{most} and {most}")));
             }
         }
-        let name = ["gait"].into_iter().map(str::to_owned).chain(words.iter().map(|word| (*word).to_owned()));
-        Ok(Self { walk, name: name.collect::<Vec<_>>().join(" ") })
+        Ok(Self { walk, name: words.join(" ") })
     }
 
     /// The name of the policy that walks like that.

@@ -43,8 +43,8 @@ const SOLE: [f64; 2] = [0.065, 0.03];
 /// By how much a body that walks is lower than one that stands, m, so that its knees are bent, and how far it leans forward, rad.
 const LOWER: f64 = 0.046;
 const LEAN: f64 = 0.054;
-/// The greatest pace with which a gait begins, m/s: one of a body that comes faster makes shorter steps than it needs, and slows down.
-const BEGINNING: f64 = 0.4;
+/// The greatest pace with which a gait starts, m/s: one of a body that comes faster makes shorter steps than it needs, and slows down.
+const START_PACE: f64 = 0.4;
 /// How fast a pace changes, m/s² and rad/s².
 const QUICKENING: f64 = 1.0;
 const TURNING: f64 = 1.3;
@@ -132,7 +132,7 @@ impl Gait {
             height: com.z - ground[0].at_least(ground[1]) - LOWER,
             phase: Phase::Standing,
             pressure: (placed[0].middle.xy() + placed[1].middle.xy()) * 0.5,
-            walk: Walk { velocity: Vector2::new(pace.x.clip(-BEGINNING, BEGINNING), 0.0), turn: 0.0 },
+            walk: Walk { velocity: Vector2::new(pace.x.clip(-START_PACE, START_PACE), 0.0), turn: 0.0 },
             step: None,
         };
         gait.begin(&placed, pace.x);
@@ -215,9 +215,7 @@ impl Gait {
         self.phase = match self.phase {
             Phase::Standing if moves || pushed.norm() > PUSHED => {
                 // The foot on the side where the body goes is the first to leave.
-                let aside =
-                    turning::level(if moves { turning::level(self.walk.velocity, self.heading) } else { pushed }, -self.heading)
-                        .y;
+                let aside = if moves { self.walk.velocity.y } else { turning::level(pushed, -self.heading).y };
                 Phase::Shifting { stance: if aside > 0.0 { 1 } else { 0 }, time: 0.0 }
             }
             Phase::Shifting { stance, time } if time >= SHIFTING || self.inward(now, stance) < SHIFTED => {
@@ -326,8 +324,6 @@ fn hip(model: &Model, foot: usize, other: usize) -> usize {
 /// Of the common centre of mass of all that the root carries, m/s.
 fn velocity(present: &Present<'_>) -> Vector3<f64> {
     let &Present { body, model, state, workspace } = present;
-    let kinematics = &workspace.kinematics;
-    let snapshot = Snapshot { body, model, state, workspace };
-    let moves = |member: usize| snapshot.velocity_of(member, kinematics.inertial_position[member]) * kinematics.mass[member];
-    body.members.clone().map(moves).sum::<Vector3<f64>>() / kinematics.subtree_mass[body.root.body].at_least(f64::MIN_POSITIVE)
+    let carried = Snapshot { body, model, state, workspace }.momentum(body.members.clone());
+    carried / workspace.kinematics.subtree_mass[body.root.body].at_least(f64::MIN_POSITIVE)
 }

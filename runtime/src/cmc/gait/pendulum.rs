@@ -16,7 +16,7 @@
 use msk_physics::scalar::Real;
 use nalgebra::Vector2;
 
-/// For how long both feet bear at the beginning of a step, D, and one of them after that, s.
+/// For how long both feet bear at the start of a step, D, and one of them after that, s.
 pub(super) const BOTH: f64 = 0.12;
 pub(super) const SINGLE: f64 = 0.39;
 
@@ -145,7 +145,7 @@ mod tests {
         let course = pendulum.course(Vector2::new(0.5, -0.1), Vector2::new(0.0, 0.2));
         let landing = pendulum.landing(pendulum.usual_end(&course), &course);
         assert!((landing - course.usual).norm() < 1e-12);
-        // Of two ends that differ by one sole, the pressure at the beginning of the step makes up for most.
+        // Of two ends that differ by one sole, the pressure at the start of the step makes up for most.
         assert!((4.0..6.0).contains(&(pendulum.authority(0.0) + 1.0)));
     }
 }
