@@ -102,6 +102,15 @@ struct RootReference {
     com_height: f64,
 }
 
+/// Where a pose has been carried since it was taken.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Carried {
+    /// To the left, rad.
+    pub turned: f64,
+    /// Up, m.
+    pub risen: f64,
+}
+
 impl Feedback {
     /// Takes the joints' reference from `pose` (in the order of the body's joints) and the root's from a forward pass of `state`; `legs` are the dofs
     /// that move the feet.
@@ -125,12 +134,13 @@ impl Feedback {
     }
 
     /// Wishes for the reference pose, an upright root, the centre of mass above `target` (level position, m) and points of the feet that
-    /// bear weight at rest; `offsets` move these targets. The whole has turned to the left by `turned`, rad, since the pose was taken.
+    /// bear weight at rest; `offsets` move these targets.
     pub fn hold(
         &self,
         view: &View<'_>,
         body: &Body,
-        (feet, target, turned): (impl Iterator<Item = Point>, Option<Vector3<f64>>, f64),
+        (feet, target): (impl Iterator<Item = Point>, Option<Vector3<f64>>),
+        Carried { turned, risen }: Carried,
         offsets: &Offsets,
         wishes: &mut Wishes,
     ) {
@@ -143,7 +153,7 @@ impl Feedback {
             if let Some(target) = target {
                 let target = target + shift;
                 wishes.centre = CentreWish {
-                    error: Vector3::new(target.x, target.y, root.com_height + shift.z) - view.com(root.body),
+                    error: Vector3::new(target.x, target.y, root.com_height + risen + shift.z) - view.com(root.body),
                     factor: offsets.factor(Priority::Balance),
                     ..CentreWish::default()
                 };
@@ -190,6 +200,7 @@ impl Feedback {
             wish_orientation(root, &WALKING_ROOT, view, &orientation, [step.spin, Vector3::zeros()], wishes);
             wishes.centre = CentreWish {
                 error: Vector3::z() * (step.height + offsets.center_of_mass.z - view.com(root.body).z),
+                moving: Vector3::z() * step.rise,
                 bending: Vector3::new(step.acceleration.x, step.acceleration.y, 0.0),
                 laws: WALKING_CENTRE,
                 factor: offsets.factor(Priority::Balance),

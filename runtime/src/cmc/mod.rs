@@ -55,7 +55,7 @@ use crate::body::{Body, OutOfReach};
 use activation::Hold;
 use allocation::{Effort, Memory};
 use coordinates::Coordinates;
-use feedback::Feedback;
+use feedback::{Carried, Feedback};
 use gait::Gait;
 use goal::{Course, Follower};
 use msk_physics::model::Model;
@@ -261,13 +261,14 @@ impl Controller {
             }
             Guide::Pose => {
                 let target = centre.map(|centre| centre + self.offset);
-                self.feedback.hold(&view, body, (bearing, target, 0.0), offsets, wishes);
+                self.feedback.hold(&view, body, (bearing, target), Carried::default(), offsets, wishes);
             }
             Guide::Gait(gait) => match gait.advance(present, points, &offsets.walk, (step, view.hold)) {
                 Some(step) => self.feedback.walk(&view, body, (points, &step), offsets, wishes),
                 None => {
                     let target = centre.map(|centre| centre + turning::vector(&self.offset, gait.turned()));
-                    self.feedback.hold(&view, body, (bearing, target, gait.turned()), offsets, wishes);
+                    let carried = Carried { turned: gait.turned(), risen: gait.risen() };
+                    self.feedback.hold(&view, body, (bearing, target), carried, offsets, wishes);
                 }
             },
         }

@@ -1,6 +1,7 @@
 //! Support: the points of the feet that can bear weight, and where the ground is under them.
 
 use crate::body::Body;
+use crate::scene::ground::{Footing, Ground};
 use core::ops::Range;
 use msk_physics::kinematics::Kinematics;
 use msk_physics::model::{GeomKind, Model};
@@ -31,12 +32,35 @@ pub(super) struct Support {
     /// Shapes of each foot, with the key of the first point of each.
     feet: Vec<Vec<(usize, usize)>>,
     ground: Vec<usize>,
+    /// Whether all of it is level.
+    is_level: bool,
     /// Points of all feet that the body stands on, refilled by [`update`](Self::update).
     pub points: Vec<Point>,
 }
 
 /// A foot that is nearer to the ground than this when an episode begins is stood on, m.
 const STANCE: f64 = 0.01;
+/// What is further below the top of something stands beside it, m.
+const SUNK: f64 = 0.04;
+
+/// The plane on which a point would rest.
+#[derive(Debug, Clone, Copy)]
+struct Bed {
+    origin: Vector3<f64>,
+    normal: Vector3<f64>,
+    friction: f64,
+}
+
+impl Bed {
+    /// That under a point; the level z = 0 where there is nothing.
+    fn under(ground: &Ground<'_>, point: &Vector3<f64>) -> Self {
+        let none = Self { origin: Vector3::zeros(), normal: Vector3::z(), friction: 0.0 };
+        ground.under(point, SUNK).map_or(none, |(shape, Footing { height, normal })| {
+            let origin = Vector3::new(point.x, point.y, height);
+            Self { origin, normal, friction: ground.model.geoms.friction[shape][0] }
+        })
+    }
+}
 
 impl Support {
     /// The landmarks of the body's group `feet`, or all whose names begin with `sole`, as far as they have shapes.
@@ -49,6 +73,7 @@ impl Support {
         };
         Self {
             feet: feet.map(|shapes| shapes.iter().map(&mut keyed).collect()).collect(),
+            is_level: body.ground == body.level,
             ground: body.ground.clone(),
             points: Vec::new(),
         }
@@ -100,33 +125,23 @@ impl Support {
     }
 
     fn fill(&self, model: &Model, kinematics: &Kinematics<f64>, shapes: &[(usize, usize)], points: &mut Vec<Point>) {
+        let ground = Ground { model, kinematics, shapes: &self.ground };
         for &(shape, first) in shapes {
             let (centre, rotation) = (kinematics.geom_position[shape], kinematics.geom_rotation[shape]);
-            let plane = self.nearest_plane(model, kinematics, &centre);
-            let (origin, normal, friction) = plane.map_or((Vector3::zeros(), Vector3::z(), 0.0), |plane| {
-                let normal = kinematics.geom_rotation[plane].column(2).into_owned();
-                (kinematics.geom_position[plane], normal, model.geoms.friction[plane][0])
-            });
-            let friction = friction.at_least(model.geoms.friction[shape][0]);
+            let bed = Bed::under(&ground, &centre);
+            let own = model.geoms.friction[shape][0];
             let body = model.geoms.body[shape];
             let mut key = first;
             let mut push = |arm: Vector3<f64>| {
                 let position = centre + arm;
-                points.push(Point { key, body, position, normal, height: (position - origin).dot(&normal), friction });
+                // Where the ground is not level each point has a place of its own.
+                let Bed { origin, normal, friction } = if self.is_level { bed } else { Bed::under(&ground, &position) };
+                let (height, friction) = ((position - origin).dot(&normal), friction.at_least(own));
+                points.push(Point { key, body, position, normal, height, friction });
                 key += 1;
             };
-            underside(model.geoms.kind[shape], &model.geoms.size[shape], &rotation, &normal, &mut push);
+            underside(model.geoms.kind[shape], &model.geoms.size[shape], &rotation, &bed.normal, &mut push);
         }
-    }
-
-    /// The nearest level ground; stairs and other terrain are not stood on as such.
-    fn nearest_plane(&self, model: &Model, kinematics: &Kinematics<f64>, point: &Vector3<f64>) -> Option<usize> {
-        let height = |plane: usize| (point - kinematics.geom_position[plane]).dot(&kinematics.geom_rotation[plane].column(2));
-        self.ground
-            .iter()
-            .copied()
-            .filter(|&shape| model.geoms.kind[shape] == GeomKind::Plane)
-            .min_by(|&a, &b| height(a).total_cmp(&height(b)))
     }
 }
 

@@ -44,6 +44,14 @@ impl Ground<'_> {
         footings.max_by(|a, b| a.height.total_cmp(&b.height))
     }
 
+    /// What a point rests on or falls onto: the highest place under it that is no more than `sunk` (m) above it, and the shape there. `None` over an
+    /// abyss, and without shapes.
+    pub fn under(&self, point: &Vector3<f64>, sunk: f64) -> Option<(usize, Footing)> {
+        let tops = self.shapes.iter().filter_map(|&shape| Some((shape, self.top(shape, point.xy())?)));
+        let under = tops.filter(|(_, footing)| footing.height <= point.z + sunk);
+        under.max_by(|(_, a), (_, b)| a.height.total_cmp(&b.height))
+    }
+
     /// Height of the ground at a horizontal place, m; [`ABYSS`] where there is none.
     pub fn height(&self, place: Vector2<f64>) -> f64 {
         self.footing(place).map_or(ABYSS, |footing| footing.height)

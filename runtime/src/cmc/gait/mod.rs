@@ -8,6 +8,7 @@
 
 mod pendulum;
 mod step;
+mod terrain;
 
 pub(super) use step::Step;
 
@@ -18,10 +19,12 @@ use crate::body::sensors::Snapshot;
 use core::ops::Range;
 use msk_physics::model::{Model, rotation};
 use msk_physics::scalar::Real;
+use msk_physics::{Workspace, kinematics};
 use msk_program::task::RootPlacement;
 use nalgebra::{Vector2, Vector3};
 use pendulum::{BOTH, Pendulum, SINGLE, pressure};
 use step::{Foot, Placed, Swing, Way};
+use terrain::Terrain;
 
 /// How a body shall walk.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -48,6 +51,8 @@ const START_PACE: f64 = 0.4;
 /// How fast a pace changes, m/s² and rad/s².
 const QUICKENING: f64 = 1.0;
 const TURNING: f64 = 1.3;
+/// How fast a body stands up into its gait, m/s.
+const RISING: f64 = 0.3;
 /// What is slower stays, m/s and rad/s; what is further from the middle of its feet has to step, and after a step less far may stay, m.
 const STILL: f64 = 0.05;
 const PUSHED: f64 = 0.12;
@@ -80,8 +85,13 @@ pub(super) struct Gait {
     heading: f64,
     /// Where it did when it began.
     begun: f64,
-    /// Of the centre of mass over the ground, m.
+    /// Of the centre of mass over the ground, m: how high it is to be now, and in the long run.
     height: f64,
+    usual_height: f64,
+    /// Of the ground that the centre of mass goes over, m; when it began, and how fast it rises, m/s.
+    level: f64,
+    level_begun: f64,
+    rise: f64,
     phase: Phase,
     /// Where the ground was to press in the last hold, m.
     pressure: Vector2<f64>,
@@ -124,12 +134,17 @@ impl Gait {
         let placed = feet.each_ref().map(|foot| foot.placed(present, &support.points));
         let ground = placed.map(|placed| placed.middle.z - placed.height);
         let com = workspace.kinematics.subtree_com[body.root.body];
+        let level = ground[0].at_least(ground[1]);
         let pace = turning::level(velocity(present).xy(), -heading);
         let mut gait = Self {
             feet,
             heading,
             begun: heading,
-            height: com.z - ground[0].at_least(ground[1]) - LOWER,
+            height: com.z - level,
+            usual_height: standing_height(present) - LOWER,
+            level,
+            level_begun: level,
+            rise: 0.0,
             phase: Phase::Standing,
             pressure: (placed[0].middle.xy() + placed[1].middle.xy()) * 0.5,
             walk: Walk { velocity: Vector2::new(pace.x.clip(-START_PACE, START_PACE), 0.0), turn: 0.0 },
@@ -166,23 +181,24 @@ impl Gait {
         let (pressure, swing) = match self.phase {
             Phase::Standing => {
                 self.pressure = now.centre();
+                self.climb(0.5 * (now.placed[0].ground() + now.placed[1].ground()), SHIFTING, now.hold);
                 return None;
             }
             Phase::Shifting { stance, ref mut time } => {
                 *time += now.hold;
+                self.rise = 0.0;
                 (self.shift(&now, stance), None)
             }
             Phase::Stepping { stance, time, from, lifted } => self.stride(&now, present, (stance, time, from, lifted)),
         };
         self.pressure = pressure;
-        let (Phase::Shifting { stance, .. } | Phase::Stepping { stance, .. }) = self.phase else { return None };
         let placement = RootPlacement { heading: self.heading, pitch: LEAN, ..RootPlacement::default() };
         let facing = present.body.facing(&placement);
-        let Placed { middle, height, .. } = now.placed[stance];
         Some(Step {
             orientation: rotation::from_matrix(&facing),
             spin: facing.transpose() * Vector3::z() * self.walk.turn,
-            height: middle.z - height + self.height,
+            height: self.level + self.height,
+            rise: self.rise,
             acceleration: (now.com.xy() - pressure) * (now.pendulum.omega * now.pendulum.omega),
             swing,
         })
@@ -191,6 +207,17 @@ impl Gait {
     /// How far the body has turned to the left since it began, rad.
     pub fn turned(&self) -> f64 {
         self.heading - self.begun
+    }
+
+    /// By how much the ground is higher than where it began, m.
+    pub fn risen(&self) -> f64 {
+        self.level - self.level_begun
+    }
+
+    /// Brings the level of the ground to another within a time, s.
+    fn climb(&mut self, level: f64, time: f64, hold: f64) {
+        self.rise = (level - self.level) / time.at_least(hold);
+        self.level += self.rise * hold;
     }
 
     fn look(&self, present: &Present<'_>, points: &[Point], hold: f64) -> Now {
@@ -205,6 +232,7 @@ impl Gait {
         let change = walk.velocity - self.walk.velocity;
         let most = QUICKENING * hold;
         self.walk.velocity += if change.norm() > most { change * (most / change.norm()) } else { change };
+        self.height += (self.usual_height - self.height).clip(-RISING * hold, RISING * hold);
         self.walk.turn += (walk.turn - self.walk.turn).clip(-TURNING * hold, TURNING * hold);
         self.heading += self.walk.turn * hold;
     }
@@ -271,10 +299,17 @@ impl Gait {
             let aside = (swung.side * landing.y).clip(LEAST_WIDTH, REACH[2]) * swung.side;
             let landing = turning::level(Vector2::new(landing.x.clip(REACH[1], REACH[0]), aside), self.heading);
             let bearing = &now.placed[stance];
-            let to = bearing.middle + Vector3::new(landing.x, landing.y, -bearing.height);
-            let way = Way { from, to, heading: self.heading + swung.toes };
+            let (place, heading) = (now.middle(stance) + landing, self.heading + swung.toes);
+            let terrain = Terrain::under(present);
+            let to = terrain.map_or_else(|| place.push(bearing.ground()), |terrain| terrain.foothold(place, heading, bearing.ground()));
+            let normal = terrain.map_or_else(Vector3::z, |terrain| terrain.normal(to.xy()));
+            let mut way = Way { from, to, heading, normal, lift: 0.0 };
+            way.lift = terrain.map_or(0.0, |terrain| terrain.lift(&way));
             way.swing(swung, present, now.placed[1 - stance].middle, [time - BOTH, now.hold])
         });
+        let lands = swing.as_ref().map_or(now.placed[1 - stance].ground(), Swing::lands_at);
+        let left = (BOTH + SINGLE - time).at_least(now.hold);
+        self.climb(0.5 * (now.placed[stance].ground() + lands), left, now.hold);
         self.phase = Phase::Stepping { stance, time: time + now.hold, from, lifted };
         (pressed, swing)
     }
@@ -319,6 +354,18 @@ fn hip(model: &Model, foot: usize, other: usize) -> usize {
         hip = model.bodies.parent[hip];
     }
     hip
+}
+
+/// How high the centre of mass of a body in its neutral pose is over its soles, m.
+fn standing_height(present: &Present<'_>) -> f64 {
+    let &Present { body, model, state, .. } = present;
+    let (mut state, mut workspace) = (state.clone(), Workspace::new(model));
+    body.place(model, &RootPlacement::default(), body.neutral(), &mut state, &mut workspace);
+    kinematics::update(model, &state, &mut workspace.kinematics);
+    let mut support = Support::new(body);
+    support.update(model, &workspace.kinematics);
+    let lowest = support.points.iter().map(|point| point.position.z).fold(f64::INFINITY, f64::at_most);
+    workspace.kinematics.subtree_com[body.root.body].z - lowest
 }
 
 /// Of the common centre of mass of all that the root carries, m/s.

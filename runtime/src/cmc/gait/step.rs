@@ -18,6 +18,8 @@ const SEEK: f64 = 0.02;
 /// Points of a foot on its way, and of the one that bears.
 const SWING: Law = Law::critical(440.0, 21.0, 1.0);
 const STANCE: f64 = 1.21;
+/// Which share of its way up a foot takes for the whole rise of the ground.
+const SOON: f64 = 0.6;
 /// After this share of its time a foot may bear where it meets the ground.
 const LANDS: f64 = 0.5;
 
@@ -52,8 +54,9 @@ pub(in crate::cmc) struct Step {
     /// Of the root, and how it turns, in its own axes, rad/s.
     pub orientation: [f64; 4],
     pub spin: Vector3<f64>,
-    /// Of the centre of mass, m.
+    /// Of the centre of mass, m, and how fast it rises, m/s.
     pub height: f64,
+    pub rise: f64,
     /// Of the centre of mass along the ground, m/s².
     pub acceleration: Vector2<f64>,
     pub(super) swing: Option<Swing>,
@@ -70,6 +73,7 @@ pub(super) struct Swing {
     moving: Vector3<f64>,
     bending: Vector3<f64>,
     lands: bool,
+    level: f64,
 }
 
 /// Where a foot goes after it has left the ground.
@@ -79,6 +83,24 @@ pub(super) struct Way {
     /// Where its middle lands, m, and where it points then, rad.
     pub to: Vector3<f64>,
     pub heading: f64,
+    /// Of the ground there.
+    pub normal: Vector3<f64>,
+    /// How much higher than usual it is lifted, m.
+    pub lift: f64,
+}
+
+impl Placed {
+    /// Height of the ground under it, m.
+    pub fn ground(&self) -> f64 {
+        self.middle.z - self.height
+    }
+}
+
+impl Swing {
+    /// Height of the ground where the foot lands, m.
+    pub fn lands_at(&self) -> f64 {
+        self.level
+    }
 }
 
 impl Foot {
@@ -95,11 +117,18 @@ impl Foot {
 }
 
 impl Way {
-    /// Where the middle is after a share of the time.
-    fn at(&self, share: f64) -> Vector3<f64> {
-        let (along, bump) = eased(share);
+    /// Where the middle is after a share of the time. It goes up before it goes on, and down after that.
+    pub fn at(&self, share: f64) -> Vector3<f64> {
+        let ((along, bump), way) = (eased(share), self.to - self.from.middle);
+        let (risen, _) = eased(if way.z > 0.0 { share / SOON } else { (share - (ARRIVED - SOON * ARRIVED)) / SOON });
         let sunk = SEEK * ((share - ARRIVED) / (1.0 - ARRIVED)).clip(0.0, 1.0);
-        self.from.middle + (self.to - self.from.middle) * along + Vector3::z() * (LIFT * bump - sunk)
+        let level = Vector3::new(way.x * along, way.y * along, way.z * risen);
+        self.from.middle + level + Vector3::z() * ((LIFT + self.lift) * bump - sunk)
+    }
+
+    /// By how much it is higher after a share of the time if it is lifted by 1 more.
+    pub fn gain(&self, share: f64) -> f64 {
+        eased(share).1
     }
 
     /// What is to be done `time` (s) after the foot has left, in a hold of that length, s.
@@ -112,10 +141,11 @@ impl Way {
             body: foot.body,
             keys: foot.keys.clone(),
             present: (middle, rotation),
-            goal: (next, Rotation3::from_axis_angle(&Vector3::z_axis(), heading).into_inner()),
+            goal: (next, upright(heading, &self.normal)),
             moving: (later - now) / (2.0 * hold),
             bending: (later - next * 2.0 + now) / (hold * hold),
             lands: time > LANDS * SINGLE,
+            level: self.to.z,
         }
     }
 }
@@ -137,6 +167,14 @@ impl Step {
         let error = goal + facing * arm - point.position;
         Some(FootWish { point: *point, bears, law: SWING, error, moving: swing.moving, bending: swing.bending })
     }
+}
+
+/// The axes forward, left, up of a sole that points there, on ground with that normal.
+fn upright(heading: f64, normal: &Vector3<f64>) -> Matrix3<f64> {
+    let facing = Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
+    // Level ground needs no tilt, and none is made up by rounding.
+    let tilt = Rotation3::rotation_between(&Vector3::z(), normal).unwrap_or_else(Rotation3::identity);
+    if normal.z < 1.0 { (tilt * facing).into_inner() } else { facing.into_inner() }
 }
 
 /// From 0 to 1 with a constant change of acceleration, which takes less speed than the least jerk, and a bump of height 1 between.
