@@ -63,6 +63,10 @@ pub struct TrackingOffsets {
     pub center_of_mass: f64,
     /// By how much the target of the root's orientation is turned, about each of its axes forward, left and up, rad; 0 if it is not.
     pub root: f64,
+    /// How many hands reach, the first of the body's group `hands`. The language has no word for it; planners use it.
+    pub hands: usize,
+    /// How far from where they are when an episode begins, along each of forward, left and up of the root's heading, m.
+    pub reach: f64,
     /// The natural logarithm of the factor by which balance, and feet at rest, count more or less against the joints; 0 if they do as
     /// ever. The language has no word for it; planners use it.
     pub priorities: f64,
@@ -177,7 +181,8 @@ impl ActionSpace {
                 let priorities = ["balance", "feet"].into_iter().filter(|_| offsets.priorities > 0.0).map(str::to_owned);
                 let walk = ["forward", "left", "turn"].into_iter().filter(|_| offsets.walks()).map(|axis| format!("walk.{axis}"));
                 let axes = moved(offsets.center_of_mass, "com").chain(moved(offsets.root, "root"));
-                joints.chain(axes).chain(walk).chain(priorities).collect()
+                let hands = (0..offsets.hands).flat_map(|hand| ["forward", "left", "up"].map(|axis| format!("hand_{hand}.{axis}")));
+                joints.chain(axes).chain(hands).chain(walk).chain(priorities).collect()
             }
         }
     }
@@ -196,7 +201,7 @@ impl TrackingOffsets {
     pub fn size(&self) -> usize {
         let axes = |range: f64| if range > 0.0 { 3 } else { 0 };
         let (walk, priorities) = (if self.walks() { 3 } else { 0 }, if self.priorities > 0.0 { 2 } else { 0 });
-        self.joints.len() + axes(self.center_of_mass) + axes(self.root) + walk + priorities
+        self.joints.len() + axes(self.center_of_mass) + axes(self.root) + 3 * self.hands + walk + priorities
     }
 
     /// Whether the controller is a gait.

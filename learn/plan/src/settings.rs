@@ -74,6 +74,8 @@ pub struct Targets {
     pub center_of_mass: f64,
     /// Largest turn of the root, rad.
     pub root: f64,
+    /// How far hands reach from where they are when an episode begins, along each axis of the root's heading, m; 0 where they do not.
+    pub reach: f64,
     /// Largest factor by which balance and resting feet count more or less against the joints; 1 where they count as ever.
     pub priority_factor: f64,
     /// Largest speeds of a gait forward and to the left, m/s, and of its turn, rad/s. Nothing else of a gait's balance is moved.
@@ -106,6 +108,7 @@ impl Default for Targets {
             arm_range: 1.5,
             center_of_mass: 0.15,
             root: 0.4,
+            reach: 0.6,
             priority_factor: 4.0,
             pace: [0.8, 0.2, 0.5],
             along: Along::Auto,
@@ -243,7 +246,7 @@ impl Settings {
     fn check(&self, text: &str) -> Result<(), SettingsError> {
         let checked = Checked::of(text);
         let [forward, left, turn] = self.targets.pace;
-        let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 23] = [
+        let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 24] = [
             ("look", self.look, 0.0..=10.0, "s"),
             ("horizon", self.horizon, 0.01..=10.0, "s"),
             ("tail", self.tail, 0.0..=10.0, "s"),
@@ -263,6 +266,7 @@ impl Settings {
             ("arm_range", self.targets.arm_range, 0.0..=3.2, "rad"),
             ("center_of_mass", self.targets.center_of_mass, 0.0..=1.0, "m"),
             ("root", self.targets.root, 0.0..=3.2, "rad"),
+            ("reach", self.targets.reach, 0.0..=2.0, "m"),
             ("pace", forward, 0.01..=2.0, "m/s"),
             ("pace", left, 0.01..=1.0, "m/s"),
             ("pace", turn, 0.01..=2.0, "rad/s"),

@@ -171,6 +171,8 @@ fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace,
         center_of_mass: moved(targets.center_of_mass),
         root: moved(targets.root),
         priorities: moved(libm::log(targets.priority_factor)),
+        hands: if targets.reach > 0.0 { context.body.hands().len() } else { 0 },
+        reach: targets.reach,
         walk: if walks { targets.pace } else { [0.0; 3] },
     };
     if offsets.size() == 0 {

@@ -332,9 +332,11 @@ fn moved(targets: &TrackingOffsets, entries: &[f64]) -> Offsets {
         }
         false => Vector3::zeros(),
     };
-    let (center_of_mass, root, walk) = (next([targets.center_of_mass; 3]), next([targets.root; 3]), next(targets.walk));
+    let (center_of_mass, root) = (next([targets.center_of_mass; 3]), next([targets.root; 3]));
+    let hands = (0..targets.hands).map(|_| next([targets.reach; 3])).collect();
+    let walk = next(targets.walk);
     let joints = targets.joints.iter().zip(joints).map(|(&joint, entry)| (joint, targets.range * entry)).collect();
-    Offsets { joints, center_of_mass, root, priorities, walk: Walk { velocity: walk.xy(), turn: walk.z } }
+    Offsets { joints, center_of_mass, root, hands, priorities, walk: Walk { velocity: walk.xy(), turn: walk.z } }
 }
 
 /// The share of its way that the output of a low-pass filter of first order goes in `period`, s; all of it without a time constant.

@@ -30,6 +30,7 @@ use core::ops::Range;
 use msk_physics::kinematics::Kinematics;
 use msk_physics::model::{JointKind, Model};
 use msk_program::body::{Axis, ExcitationMap};
+use msk_program::vocabulary::GroupKind;
 use nalgebra::{Matrix3, Vector3};
 
 /// A body file bound to a model.
@@ -195,6 +196,12 @@ impl Body {
     /// Sets the velocities of all coupled joints in `velocity` (length `nv`) from those that lead them, at `position`.
     pub fn solve_coupled_velocities(&self, model: &Model, position: &[f64], velocity: &mut [f64]) {
         coupling::solve_velocities(model, &self.couplings, position, velocity);
+    }
+
+    /// The landmarks of the group `hands`; none where the body has no such group.
+    pub fn hands(&self) -> &[usize] {
+        let group = self.groups.iter().find(|group| group.kind == GroupKind::Landmarks && group.name == "hands");
+        group.map_or(&[], |group| group.members.as_slice())
     }
 
     /// The coordinates of the standing pose, in the order of `joints`, rad or m.

@@ -162,6 +162,21 @@ impl Feedback {
         wish_rest(feet.map(|point| (point, true)), offsets, wishes);
     }
 
+    /// Wishes for changes of coordinates (rad or m) from where they are now, within the ranges of their joints.
+    pub fn wish_changes(&self, changes: impl Iterator<Item = (usize, f64)>, law: &Law, (view, body): (&View<'_>, &Body), wishes: &mut Wishes) {
+        for (coordinate, change) in changes {
+            let of_joint = |joint: &&JointReference| view.coordinates.of(joint.dof) == Some(coordinate);
+            let Some(joint) = self.joints.iter().find(of_joint) else { continue };
+            let now = view.state.position[joint.position];
+            let target = match body.joints[joint.index].range {
+                Some([low, high]) => (now + change).clip(low, high),
+                None => now + change,
+            };
+            let wish = law.acceleration(target - now, view.state.velocity[joint.dof], [0.0; 2], view.hold);
+            wishes.add(coordinate, law.weight, wish);
+        }
+    }
+
     /// Wishes for joints, root and centre of mass where and as fast as the goal has them, and those points of the feet that bear weight at
     /// rest of which the goal has it, too; `offsets` move these targets.
     pub fn follow(

@@ -35,6 +35,7 @@ mod goal;
 mod group;
 mod motion;
 mod offsets;
+mod reach;
 mod scratch;
 mod share;
 mod support;
@@ -158,6 +159,8 @@ struct Controller {
     offset: Vector3<f64>,
     final_offset: Vector3<f64>,
     feedback: Feedback,
+    /// Where hands are when the episode begins, from the root in its heading, m.
+    hands: Vec<Vector3<f64>>,
     effort: Effort,
     memory: Memory,
     guide: Guide,
@@ -200,6 +203,7 @@ impl Controller {
             offset,
             final_offset: offset * (1.0 - LEAN),
             feedback: Feedback::new(body, pose, &legs, state, &workspace.kinematics),
+            hands: reach::at_rest(present),
             effort: Effort::EXACT,
             memory: Memory::new(Coordinates::new(model).len()),
             guide: Guide::Pose,
@@ -244,7 +248,7 @@ impl Controller {
     /// Asks for the forces of control step `step`, for targets that are moved by `offsets`: they are then to be shared out.
     fn ask(&mut self, present: &Present<'_>, step: u32, offsets: &Offsets, scratch: &mut ControlScratch) {
         let &Present { body, model, state, workspace } = present;
-        let ControlScratch { coordinates, wishes, muscles, reach, workspace: posed, .. } = scratch;
+        let ControlScratch { coordinates, wishes, muscles, reach, reaching, workspace: posed, .. } = scratch;
         let view = View { state, workspace, coordinates, hold: self.hold.duration() };
         self.support.update(model, &workspace.kinematics);
         self.offset += (view.hold / LEAN_TIME).at_most(1.0) * (self.final_offset - self.offset);
@@ -272,6 +276,7 @@ impl Controller {
                 }
             },
         }
+        reaching.wish((present, &view), &self.hands, &self.feedback, offsets, wishes);
         muscles.reach(self.hold, &state.activation, activation::excitation_range(body.excitation), reach);
     }
 

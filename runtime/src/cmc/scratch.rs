@@ -5,6 +5,7 @@
 
 use super::activation::Muscles;
 use super::coordinates::Coordinates;
+use super::reach::Reaching;
 use super::share::{Member, Share};
 use super::wishes::Wishes;
 use super::{Controller, Present};
@@ -16,6 +17,7 @@ pub(crate) struct ControlScratch {
     pub(super) coordinates: Coordinates,
     pub(super) wishes: Wishes,
     pub(super) muscles: Muscles,
+    pub(super) reaching: Reaching,
     /// The activations that each muscle can reach within the hold.
     pub(super) reach: Vec<[f64; 2]>,
     /// What each muscle is asked for: an activation first, then the excitation that brings it there.
@@ -29,10 +31,12 @@ pub(crate) struct ControlScratch {
 impl ControlScratch {
     /// For the model of an episode.
     pub fn new(present: &Present<'_>) -> Self {
-        let model = present.model;
+        let &Present { model, body, .. } = present;
+        let coordinates = Coordinates::new(model);
         let muscles = model.actuators.muscles().count();
         Self {
-            coordinates: Coordinates::new(model),
+            reaching: Reaching::new(model, body, &coordinates),
+            coordinates,
             wishes: Wishes::default(),
             muscles: Muscles::new(model),
             reach: vec![[0.0; 2]; muscles],

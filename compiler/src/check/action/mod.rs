@@ -290,8 +290,7 @@ impl<'a> Checker<'a> {
             range: self.amount(settings, "range", Dimension::ANGLE, MOST_ANGLE)?,
             center_of_mass: self.amount(settings, "com", Dimension::LENGTH, MOST_LENGTH)?,
             root: self.amount(settings, "root", Dimension::ANGLE, MOST_ANGLE)?,
-            priorities: 0.0,
-            walk: [0.0; 3],
+            ..TrackingOffsets::default()
         };
         let act = settings.act;
         let missing = match (offsets.joints.is_empty(), offsets.range > 0.0) {
