@@ -5,16 +5,18 @@
 //! For three tasks of different kind it prints the time of one control step's observation, reward, terminations and success as
 //! compiled and by hand (`benches/hand`), their ratio, and the share of the whole control step that the compiled task takes. By hand,
 //! sums run from the first number to the last, as `iter().sum()` does; "in columns" they run as those of compiled tasks do. Then
-//! the time to read, check and lower every task of the suite, cold and with bodies known, and one task after an edit; and the time
-//! to put the body into a scene. Times are the least of several rounds; `tests/hand_written.rs` holds that all ways come to the same
-//! numbers.
+//! the time to read, check and lower every task of the suite, cold and with bodies known, of which its texts alone and its body
+//! alone, and one task after an edit; the time to put the body into a scene; and the first time again, as compiled, of every task of
+//! the suite. Times are the least of several rounds; `tests/hand_written.rs` holds that all ways come to the same numbers.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a program for whoever measures")]
 
 mod hand;
 
 use hand::{Hand, Outcome, Sums, TASKS};
+use msk::compiler::files::BodySource;
+use msk::compiler::syntax::parse;
 use msk::compiler::task::{CompiledTask, StepReport, TaskState};
-use msk::compiler::{Middle, compile};
+use msk::compiler::{Compilation, Middle, compile};
 use msk::runtime::episode::{Environment, EpisodeKey};
 use msk::runtime::library::{BodyLibrary, FileLoader};
 use msk::runtime::scene::stage;
@@ -46,6 +48,7 @@ fn main() {
     }
     let suite = path("tasks.msk");
     let count = compile(&suite, &FileLoader, &bodies).unwrap().tasks.len();
+    let to_compile = |file: &Path, bodies: &BodyLibrary| to_make(|| compile(file, &FileLoader, bodies).unwrap());
     let cold = least(5, || to_compile(&suite, &BodyLibrary::default()));
     let known = least(20, || to_compile(&suite, &bodies));
     let (file, _) = TASKS[2];
@@ -54,18 +57,48 @@ fn main() {
     let alone = bodies.stage(&task.body, &Default::default()).unwrap();
     let staged = least(20, || time(|| drop(black_box(stage(&alone.model, &alone.body, &task.scene).unwrap()))));
     println!("\nread, check and lower {count} tasks: {:.1} ms cold, {:.1} ms with the body known", 1e3 * cold, 1e3 * known);
+    // What is kept from here on scatters what the allocator gives, so that compiling after it takes longer.
+    let compiled = compile(&suite, &FileLoader, &bodies).unwrap();
+    println!("of which {}", parts(&compiled));
     println!("the file of one task after an edit: {:.2} ms", 1e3 * edited);
     println!("the body put among the {} objects of that task: {:.1} ms", task.scene.objects.len(), 1e3 * staged);
+    println!("\na control step of each task of the suite, compiled, us: {}", of_each(&bodies, &compiled.tasks));
+}
+
+/// The least, the median and the most time of a control step among tasks, with their names.
+fn of_each(bodies: &BodyLibrary, tasks: &[Arc<CompiledTask>]) -> String {
+    let mut times: Vec<(f64, &str)> =
+        tasks.iter().map(|task| (alone(task, &record(bodies, task).0), task.name.as_str())).collect();
+    times.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let [least, median, most] =
+        [0, times.len() / 2, times.len() - 1].map(|place| format!("{:.2} (`{}`)", times[place].0, times[place].1));
+    format!("least {least}, median {median}, most {most}")
+}
+
+/// What of a compilation needs no task: its texts to syntax trees, on one thread, and its one body to a model with a vocabulary.
+fn parts(compiled: &Compilation) -> String {
+    let texts: Vec<_> = compiled.sources.files().map(|file| (file, compiled.sources.text(file))).collect();
+    // Motions are texts, too, but none of the language.
+    let texts: Vec<_> = texts.into_iter().filter(|(file, _)| compiled.sources.path(*file).ends_with(".msk")).collect();
+    let trees = || texts.iter().map(|(file, text)| parse(*file, text)).collect::<Vec<_>>();
+    let parsing = least(20, || to_make(trees));
+    let binding = least(5, || {
+        let library = BodyLibrary::default();
+        to_make(|| library.vocabulary(&compiled.bodies[0]))
+    });
+    let bytes: usize = texts.iter().map(|(_, text)| text.len()).sum();
+    let (count, kilobytes) = (texts.len(), bytes as f64 / 1e3);
+    format!("{count} texts of {kilobytes:.0} kB to trees on one thread {:.1} ms, the body {:.1} ms", 1e3 * parsing, 1e3 * binding)
 }
 
 fn path(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(file)
 }
 
-/// Seconds until a file's tasks are there; what they take to go away again does not count.
-fn to_compile(file: &Path, bodies: &BodyLibrary) -> f64 {
+/// Seconds until something is there; what it takes to go away again does not count.
+fn to_make<T>(make: impl FnOnce() -> T) -> f64 {
     let begun = Instant::now();
-    let _compiled = black_box(compile(file, &FileLoader, bodies).unwrap());
+    let _made = black_box(make());
     begun.elapsed().as_secs_f64()
 }
 
@@ -97,25 +130,51 @@ fn record(bodies: &BodyLibrary, task: &Arc<CompiledTask>) -> (Vec<Vec<f64>>, f64
     (frames, 1e6 * whole)
 }
 
+/// Least time of a control step, compiled, in microseconds.
+fn alone(task: &CompiledTask, frames: &[Vec<f64>]) -> f64 {
+    let best = least(ROUNDS, || step_through(task, frames, &mut Buffers::of(task)));
+    1e6 * best / frames.len() as f64
+}
+
+/// What the steps of a compiled task write to.
+struct Buffers {
+    weights: Vec<f64>,
+    state: TaskState,
+    report: StepReport,
+    observation: Vec<f64>,
+}
+
+impl Buffers {
+    fn of(task: &CompiledTask) -> Self {
+        let observation = vec![0.0; task.observation_size()];
+        Self { weights: task.weights(), state: TaskState::default(), report: StepReport::default(), observation }
+    }
+}
+
+/// Seconds that a compiled task takes for these records, after its reset.
+fn step_through(task: &CompiledTask, frames: &[Vec<f64>], buffers: &mut Buffers) -> f64 {
+    let Buffers { weights, state, report, observation } = buffers;
+    task.reset(&frames[0], &mut Middle, state).unwrap();
+    time(|| {
+        for frame in frames {
+            task.step(black_box(frame), weights, &mut Middle, state, report).unwrap();
+            task.observe(frame, state, observation);
+            black_box((&report, &observation));
+        }
+    })
+}
+
 /// Least time of a control step, compiled and by hand in turn, in microseconds.
 fn compare(task: &CompiledTask, hand: &mut dyn Hand, frames: &[Vec<f64>]) -> [f64; 2] {
-    let weights = task.weights();
-    let (mut state, mut report, mut outcome) = (TaskState::default(), StepReport::default(), Outcome::default());
+    let (mut buffers, mut outcome) = (Buffers::of(task), Outcome::default());
     let mut observation = vec![0.0; task.observation_size()];
     let mut best = [f64::INFINITY; 2];
     for _ in 0..ROUNDS {
-        task.reset(&frames[0], &mut Middle, &mut state).unwrap();
-        let compiled = time(|| {
-            for frame in frames {
-                task.step(black_box(frame), &weights, &mut Middle, &mut state, &mut report).unwrap();
-                task.observe(frame, &state, &mut observation);
-                black_box((&report, &observation));
-            }
-        });
+        let compiled = step_through(task, frames, &mut buffers);
         hand.reset(&frames[0]);
         let by_hand = time(|| {
             for frame in frames {
-                hand.step(black_box(frame), &weights, &mut outcome);
+                hand.step(black_box(frame), &buffers.weights, &mut outcome);
                 hand.observe(frame, &mut observation);
                 black_box((&outcome, &observation));
             }

@@ -11,7 +11,6 @@ use crate::resolve::scope::{Declared, Definition, Place};
 use crate::syntax::tree::{Ident, Name, NamePart, Text};
 use crate::vocabulary::{GroupKind, JointKind};
 use msk_program::debug::NamedValue;
-use std::collections::BTreeSet;
 
 /// Sets of joints and muscles that every body has.
 const SETS: &[&str] = &["joints", "hinges", "slides", "independent", "muscles"];
@@ -190,12 +189,8 @@ impl<'a> Checker<'a> {
         self.taken().any(|taken| taken == name)
     }
 
-    /// All names for which [`means_something`](Self::means_something) holds.
-    pub(crate) fn taken_names(&self) -> BTreeSet<&'a str> {
-        self.taken().collect()
-    }
-
-    fn taken(&self) -> impl Iterator<Item = &'a str> {
+    /// All names for which [`means_something`](Self::means_something) holds, some of them twice.
+    pub(crate) fn taken(&self) -> impl Iterator<Item = &'a str> {
         let body = self.vocabulary;
         let signals = [Owner::Time, Owner::WholeBody].into_iter().flat_map(signals::of);
         let functions = super::functions::FUNCTIONS.iter().chain(super::functions::OPERATORS);

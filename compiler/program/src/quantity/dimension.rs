@@ -42,6 +42,10 @@ impl Rational {
     }
 
     fn plus(self, other: Self) -> Option<Self> {
+        if self.is_zero() || other.is_zero() {
+            // What most exponents are needs no reducing.
+            return Some(if self.is_zero() { other } else { self });
+        }
         Self::new(self.numerator * other.denominator + other.numerator * self.denominator, self.denominator * other.denominator)
     }
 

@@ -73,7 +73,8 @@ pub fn product<'a>(factors: impl IntoIterator<Item = (&'a str, i32, i32)>) -> Re
     for (place, (name, numerator, denominator)) in factors.into_iter().enumerate() {
         let power = Rational::new(numerator, denominator).ok_or(place)?;
         let unit = find(name).ok_or(place)?;
-        let dimension = unit.dimension.power(power).and_then(|powered| product.dimension.times(powered)).ok_or(place)?;
+        let powered = if power == Rational::whole(1) { Some(unit.dimension) } else { unit.dimension.power(power) };
+        let dimension = powered.and_then(|powered| product.dimension.times(powered)).ok_or(place)?;
         // A division is exact where a multiplication by a reciprocal is not: 5 m/ms is 5000 m/s.
         let magnitude = libm::pow(unit.factor, f64::from(numerator.abs()) / f64::from(denominator));
         product.value = if numerator < 0 { product.value / magnitude } else { product.value * magnitude };

@@ -53,7 +53,9 @@ impl<'a> Checker<'a> {
         let statements = self.statements;
         let tests: Vec<(&Test, FileId)> = statements
             .iter()
-            .filter_map(|placed| if let TaskStatement::Test(test) = &placed.statement { Some((test, placed.file)) } else { None })
+            .filter_map(
+                |placed| if let TaskStatement::Test(test) = &placed.statement { Some((&**test, placed.file)) } else { None },
+            )
             .collect();
         if !sequence.tests {
             return Ok(None);

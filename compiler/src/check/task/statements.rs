@@ -4,7 +4,9 @@ use crate::check::context::{Checked, Checker, Reported};
 use crate::check::init::Layer;
 use crate::diagnostics::{Diagnostic, FileId, Span, codes};
 use crate::resolve::inherit::{Placed, WholeTask};
+use crate::resolve::scope::Declared;
 use crate::syntax::tree::{Act, BodyUse, Expr, TaskStatement};
+use std::collections::BTreeMap;
 
 /// Something of a task with the file in which it stands.
 pub(super) type Located<T> = Option<(T, FileId)>;
@@ -111,14 +113,13 @@ impl<'a> Checker<'a> {
     pub(super) fn must_not_hide_signals(&mut self) {
         let names = self.names;
         // The few names that are taken are looked up among those in sight, which may be as many as a text holds.
-        for name in self.taken_names() {
-            if let Some((declared, _)) = names.find(self.task_place, name) {
-                let message = format!("`{name}` is already defined: it is a part of the body, a signal or a function");
-                let diagnostic =
-                    Diagnostic::new(codes::names::DECLARED_TWICE, declared.file, declared.definition.span(), message)
-                        .help("choose another name; `msk vocabulary` lists the names in use");
-                self.report(diagnostic);
-            }
+        let find = |name| Some((name, names.find(self.task_place, name)?.0));
+        let hidden: BTreeMap<&str, Declared<'_>> = self.taken().filter_map(find).collect();
+        for (name, declared) in hidden {
+            let message = format!("`{name}` is already defined: it is a part of the body, a signal or a function");
+            let diagnostic = Diagnostic::new(codes::names::DECLARED_TWICE, declared.file, declared.definition.span(), message)
+                .help("choose another name; `msk vocabulary` lists the names in use");
+            self.report(diagnostic);
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::syntax::tree::{
     Block, BodyEdit, BodyUse, Bounds, Channel, ChannelSetting, Clock, Ends, Entry, Expr, Phase, Random, Reason, Reference,
     Reward, Schedule, Sequence, StateDeclaration, Task, TaskParameter, TaskStatement, Term, Update, Weight,
 };
+use std::sync::Arc;
 
 impl Builder<'_> {
     pub(super) fn task(&mut self, pair: &Pair<'_>) -> Task {
@@ -80,7 +81,7 @@ impl Builder<'_> {
             }
             Rule::disturb => TaskStatement::Disturb(self.disturb(pair)),
             Rule::act | Rule::act_block => TaskStatement::Act(self.act(pair)),
-            Rule::test | Rule::cheat => TaskStatement::Test(self.test(pair)),
+            Rule::test | Rule::cheat => TaskStatement::Test(Arc::new(self.test(pair))),
             Rule::junk => {
                 self.junk(pair, context);
                 return None;

@@ -2,6 +2,7 @@
 
 use super::{Docs, Element, Expr, Field, Ident, InitStatement, Name, SceneStatement, Test, Text};
 use crate::diagnostics::{FileId, Span};
+use std::sync::Arc;
 
 /// `use "lib/posture.msk"`
 #[derive(Debug, Clone, PartialEq)]
@@ -174,8 +175,9 @@ pub enum TaskStatement {
     Disturb(Element),
     /// `phase walk until at_bar`: only in a sequence
     Phase(Phase),
-    /// `test "a fall ends the episode" { ... }` and `cheat "heel raises" { ... }`
-    Test(Test),
+    /// `test "a fall ends the episode" { ... }` and `cheat "heel raises" { ... }`: shared, since they are the larger part of a task, and
+    /// what inherits and sequences copy are statements.
+    Test(Arc<Test>),
     /// `allow unobserved "..."`
     Allow(Allow),
 }
