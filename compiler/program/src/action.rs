@@ -63,8 +63,8 @@ pub struct TrackingOffsets {
     pub center_of_mass: f64,
     /// By how much the target of the root's orientation is turned, about each of its axes forward, left and up, rad; 0 if it is not.
     pub root: f64,
-    /// How many hands reach, the first of the body's group `hands`. The language has no word for it; planners use it.
-    pub hands: usize,
+    /// Hands that reach: landmarks of the body's group `hands`. The language has no word for it; planners use it.
+    pub hands: Vec<usize>,
     /// How far from where they are when an episode begins, along each of forward, left and up of the root's heading, m.
     pub reach: f64,
     /// The natural logarithm of the factor by which balance, and feet at rest, count more or less against the joints; 0 if they do as
@@ -181,7 +181,8 @@ impl ActionSpace {
                 let priorities = ["balance", "feet"].into_iter().filter(|_| offsets.priorities > 0.0).map(str::to_owned);
                 let walk = ["forward", "left", "turn"].into_iter().filter(|_| offsets.walks()).map(|axis| format!("walk.{axis}"));
                 let axes = moved(offsets.center_of_mass, "com").chain(moved(offsets.root, "root"));
-                let hands = (0..offsets.hands).flat_map(|hand| ["forward", "left", "up"].map(|axis| format!("hand_{hand}.{axis}")));
+                let hand = |&hand: &usize| vocabulary.landmarks.get(hand).map_or_else(String::new, |landmark| landmark.name.clone());
+                let hands = offsets.hands.iter().map(hand).flat_map(|name| ["forward", "left", "up"].map(|axis| format!("{name}.{axis}")));
                 joints.chain(axes).chain(hands).chain(walk).chain(priorities).collect()
             }
         }
@@ -201,7 +202,7 @@ impl TrackingOffsets {
     pub fn size(&self) -> usize {
         let axes = |range: f64| if range > 0.0 { 3 } else { 0 };
         let (walk, priorities) = (if self.walks() { 3 } else { 0 }, if self.priorities > 0.0 { 2 } else { 0 });
-        self.joints.len() + axes(self.center_of_mass) + axes(self.root) + 3 * self.hands + walk + priorities
+        self.joints.len() + axes(self.center_of_mass) + axes(self.root) + 3 * self.hands.len() + walk + priorities
     }
 
     /// Whether the controller is a gait.

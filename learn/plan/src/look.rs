@@ -70,7 +70,10 @@ impl Look<'_> {
         let (mut best, mut chosen) = (Worth::default(), (0, 0));
         for (choice, (space, plans)) in choices.iter().enumerate() {
             for (plan, worth) in self.worths(space, plans).into_iter().enumerate() {
-                if worth > best {
+                // A gait that serves as well as a pose can go on anywhere.
+                let walks = |choice: usize| !choices[choice].0.pace().is_empty();
+                let goes_on = walks(choice) && !walks(chosen.0) && worth.is_about(&best);
+                if worth > best || goes_on {
                     (best, chosen) = (worth, (choice, plan));
                 }
             }
@@ -97,7 +100,16 @@ struct Worth {
     reward: f64,
 }
 
+/// Rewards that differ by this share are about the same.
+const ABOUT: f64 = 0.02;
+
 impl Worth {
+    /// Whether it is worth about as much as another.
+    fn is_about(&self, other: &Self) -> bool {
+        let near = (self.reward - other.reward).abs() <= ABOUT * other.reward.abs();
+        (self.lasts, self.steps) == (other.lasts, other.steps) && near
+    }
+
     fn of(trace: &Trace) -> Self {
         Self { lasts: !trace.failed, steps: if trace.failed { trace.steps } else { 0 }, reward: trace.rewards[0] }
     }

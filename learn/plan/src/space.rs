@@ -3,6 +3,8 @@
 use crate::settings::{Along, SpaceChoice, Targets};
 use msk_physics::scalar::Real;
 use msk_program::action::{ActionSpace, ActionTarget, BaseController, Synergy, TrackingOffsets};
+use msk_program::frame::{Sensor, Subject};
+use msk_program::scene::Part;
 use msk_program::testing::Take;
 use msk_program::vocabulary::{Group, GroupKind};
 use msk_runtime::action::{ActsOn, Controls};
@@ -171,7 +173,7 @@ fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace,
         center_of_mass: moved(targets.center_of_mass),
         root: moved(targets.root),
         priorities: moved(libm::log(targets.priority_factor)),
-        hands: if targets.reach > 0.0 { context.body.hands().len() } else { 0 },
+        hands: if targets.reach > 0.0 { measured_hands(context) } else { Vec::new() },
         reach: targets.reach,
         walk: if walks { targets.pace } else { [0.0; 3] },
     };
@@ -181,6 +183,17 @@ fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace,
     let shown = targets.along == Along::Demonstration && demonstrated(context).is_some();
     let residual = shown.then_some(BaseController::Demonstration);
     Ok((ActionSpace { target: ActionTarget::MuscleControl(offsets), residual, ..ActionSpace::default() }, shares))
+}
+
+/// The hands of which the task measures where they are, or what they touch: others have nothing to reach for.
+fn measured_hands(context: &PolicyContext<'_>) -> Vec<usize> {
+    let measures = |sensor: Sensor, hand: usize| match sensor.subject() {
+        Subject::Landmark(landmark) => landmark == hand,
+        Subject::Parts(one, other) => [one, other].contains(&Part::Landmark(hand)),
+        _ => false,
+    };
+    let measured = |hand: &&usize| context.task.frame.entries().iter().any(|(sensor, _)| measures(*sensor, **hand));
+    context.body.hands().iter().filter(measured).copied().collect()
 }
 
 /// The episode of the test that demonstrates the task.

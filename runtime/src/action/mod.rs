@@ -333,7 +333,7 @@ fn moved(targets: &TrackingOffsets, entries: &[f64]) -> Offsets {
         false => Vector3::zeros(),
     };
     let (center_of_mass, root) = (next([targets.center_of_mass; 3]), next([targets.root; 3]));
-    let hands = (0..targets.hands).map(|_| next([targets.reach; 3])).collect();
+    let hands = targets.hands.iter().map(|&hand| (hand, next([targets.reach; 3]))).collect();
     let walk = next(targets.walk);
     let joints = targets.joints.iter().zip(joints).map(|(&joint, entry)| (joint, targets.range * entry)).collect();
     Offsets { joints, center_of_mass, root, hands, priorities, walk: Walk { velocity: walk.xy(), turn: walk.z } }

@@ -63,7 +63,7 @@ pub(super) const FEET: Law = Law { stiffness: 0.0, damping: 30.0, weight: 2.0 };
 // for what walks furthest at seven paces.
 const WALKING_JOINTS: Law = Law::critical(163.0, 12.8, 0.22);
 /// Joints of the legs bend as the feet have it.
-const WALKING_LEGS: Law = Law { weight: 0.027, ..WALKING_JOINTS };
+const WALKING_LEGS: Law = Law { weight: 0.023, ..WALKING_JOINTS };
 const WALKING_ROOT: Law = Law::critical(80.0, 8.9, 1.5);
 const WALKING_LEVEL: Law = Law { stiffness: 0.0, damping: 0.0, weight: 3.8 };
 const WALKING_CENTRE: [Law; 3] = [WALKING_LEVEL, WALKING_LEVEL, Law::critical(197.0, 14.0, 1.4)];

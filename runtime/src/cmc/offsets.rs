@@ -15,8 +15,8 @@ pub(crate) struct Offsets {
     pub center_of_mass: Vector3<f64>,
     /// Of the root's orientation: a rotation vector along its axes forward, left, up, rad.
     pub root: Vector3<f64>,
-    /// Of hands, in the order of the body's: from where they are when an episode begins, along the root's heading forward, left, up, m.
-    pub hands: Vec<Vector3<f64>>,
+    /// Of hands, which are landmarks, from where they are when an episode begins: along the root's heading forward, left, up, m.
+    pub hands: Vec<(usize, Vector3<f64>)>,
     /// How much more (or less) balance and resting feet count than usual: natural logarithms of factors of their weights.
     pub priorities: [f64; 2],
     /// How the body shall walk, where it walks.

@@ -64,13 +64,14 @@ impl Reaching {
     /// Adds the wishes of joints that bring hands where `offsets` have them, from where they are at `rest`.
     pub fn wish(&mut self, (present, view): (&Present<'_>, &View<'_>), rest: &[Vector3<f64>], feedback: &Feedback, offsets: &Offsets, wishes: &mut Wishes) {
         let &Present { body, model, state, workspace } = present;
-        if offsets.hands.iter().all(|offset| *offset == Vector3::zeros()) {
+        if offsets.hands.iter().all(|(_, offset)| *offset == Vector3::zeros()) {
             return;
         }
         let Self { slopes, arms, motion } = self;
         slopes.update(view.coordinates, model, state);
         let ahead = Heading::of(present);
-        for ((Arm { hand, moved, own }, rest), offset) in arms.iter().zip(rest).zip(&offsets.hands) {
+        for (Arm { hand, moved, own }, rest) in arms.iter().zip(rest) {
+            let Some((_, offset)) = offsets.hands.iter().find(|(moved, _)| moved == hand) else { continue };
             let length = offset.norm();
             if length == 0.0 {
                 continue;

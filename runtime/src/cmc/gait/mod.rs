@@ -36,7 +36,7 @@ pub(crate) struct Walk {
 }
 
 /// Between the middles of the soles of a body that goes straight on, m; the least; and how far a foot reaches ahead, back and to its side, m.
-const WIDTH: f64 = 0.2;
+const WIDTH: f64 = 0.16;
 const LEAST_WIDTH: f64 = 0.11;
 const REACH: [f64; 3] = [0.7, -0.6, 0.5];
 /// How far out or in a foot points at most, rad.
@@ -49,7 +49,7 @@ const LEAN: f64 = 0.054;
 /// The greatest pace with which a gait starts, m/s: one of a body that comes faster makes shorter steps than it needs, and slows down.
 const START_PACE: f64 = 0.4;
 /// How fast a pace changes, m/s² and rad/s².
-const QUICKENING: f64 = 1.0;
+const QUICKENING: f64 = 0.85;
 const TURNING: f64 = 1.3;
 /// How fast a body stands up into its gait, m/s.
 const RISING: f64 = 0.3;
@@ -58,7 +58,7 @@ const STILL: f64 = 0.05;
 const PUSHED: f64 = 0.12;
 const CAUGHT: f64 = 0.05;
 /// Weight has shifted to a foot if the capture point is as near, m; at the latest after this time, s.
-const SHIFTED: f64 = 0.057;
+const SHIFTED: f64 = 0.062;
 const SHIFTING: f64 = 0.5;
 /// From this share of its time on a foot that is this near to the ground has landed, m. One that is late lands while weight goes to it: to wait for it
 /// makes the body fall.

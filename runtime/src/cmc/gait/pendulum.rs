@@ -17,7 +17,7 @@ use msk_physics::scalar::Real;
 use nalgebra::Vector2;
 
 /// For how long both feet bear at the start of a step, D, and one of them after that, s.
-pub(super) const BOTH: f64 = 0.12;
+pub(super) const BOTH: f64 = 0.063;
 pub(super) const SINGLE: f64 = 0.39;
 
 /// The pendulum of a body, and what grows in a step of it.

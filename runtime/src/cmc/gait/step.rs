@@ -11,15 +11,15 @@ use msk_physics::scalar::Real;
 use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
 
 /// How high a foot is lifted on its way, m.
-const LIFT: f64 = 0.053;
+const LIFT: f64 = 0.038;
 /// Which share of its time a foot takes to be where it lands; in what is left it seeks the ground, and goes this far below, m.
-const ARRIVED: f64 = 0.92;
+const ARRIVED: f64 = 0.914;
 const SEEK: f64 = 0.02;
 /// Points of a foot on its way, and of the one that bears.
-const SWING: Law = Law::critical(440.0, 21.0, 1.0);
-const STANCE: f64 = 1.21;
+const SWING: Law = Law::critical(440.0, 21.0, 0.98);
+const STANCE: f64 = 1.26;
 /// Which share of its way up a foot takes for the whole rise of the ground.
-const SOON: f64 = 0.6;
+const SOON: f64 = 0.46;
 /// After this share of its time a foot may bear where it meets the ground.
 const LANDS: f64 = 0.5;
 

@@ -10,12 +10,14 @@ use nalgebra::{Vector2, Vector3};
 #[derive(Clone, Copy)]
 pub(super) struct Terrain<'a>(Ground<'a>);
 
-/// How far a sole reaches back and ahead of the middle of its points, m.
-const SOLE: [f64; 2] = [-0.1, 0.18];
-/// Ground under one sole may be uneven by this share of the sole's length.
-const UNEVEN: f64 = 0.12;
-/// Shifts of a landing that are tried, m: to the nearest that is even.
-const SHIFTS: [f64; 13] = [0.0, 0.03, -0.03, 0.06, -0.06, 0.09, -0.09, 0.12, -0.12, 0.16, -0.16, 0.2, -0.2];
+/// Where a sole has its heel, what has to bear, and its toes, ahead of the middle of its points, m.
+const SOLE: [f64; 4] = [-0.1, -0.04, 0.06, 0.18];
+/// Ground under a sole may rise by this share of the way along it.
+const SLOPE: f64 = 0.12;
+/// Shifts of a landing that are tried, m, in this order: a foot that lands short lets the body go on, one that lands far ahead stops it.
+const SHIFTS: [f64; 14] = [0.0, -0.03, -0.06, 0.03, -0.09, -0.12, 0.06, -0.16, -0.2, 0.09, -0.24, 0.12, 0.16, 0.2];
+/// And by so much besides, m.
+const EVEN: f64 = 0.005;
 /// What is this much higher or lower than the other foot is no place to land, m.
 const CLIMB: f64 = 0.35;
 /// How far over the ground a foot goes in the middle of its way, m, and how much higher than usual at most.
@@ -32,20 +34,21 @@ impl<'a> Terrain<'a> {
         (body.ground != body.level).then_some(Self(ground))
     }
 
-    /// Heights under heel, middle and toes of a sole.
-    fn heights(&self, middle: Vector2<f64>, heading: f64) -> [f64; 3] {
-        let [back, ahead] = SOLE.map(|along| turning::level(Vector2::new(along, 0.0), heading));
-        [middle + back, middle, middle + ahead].map(|place| self.0.height(place))
+    /// Heights under the places of a sole.
+    fn heights(&self, middle: Vector2<f64>, heading: f64) -> [f64; 4] {
+        SOLE.map(|along| self.0.height(middle + turning::level(Vector2::new(along, 0.0), heading)))
     }
 
-    /// The place near another where a whole sole finds ground that is about as high as `height` (m); the other one itself, at that height, if there is none.
+    /// The place near another where a sole finds ground that is not much higher or lower than `height` (m): even where it bears, and nowhere above
+    /// that; the other one itself, at that height, if there is none.
     pub fn foothold(&self, place: Vector2<f64>, heading: f64, height: f64) -> Vector3<f64> {
         let shifted = SHIFTS.iter().map(|&shift| place + turning::level(Vector2::new(shift, 0.0), heading));
         let found = shifted.filter_map(|place| {
-            let heights = self.heights(place, heading);
-            let (low, high) = heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &height| (low.at_most(height), high.at_least(height)));
-            let fits = high - low < UNEVEN * (SOLE[1] - SOLE[0]) && (heights[1] - height).abs() < CLIMB;
-            fits.then(|| place.push(heights[1]))
+            let (under, heights) = (self.0.height(place), self.heights(place, heading));
+            let rises = |part: usize| heights[part] - under;
+            let even = [1, 2].into_iter().all(|part| rises(part).abs() < SLOPE * SOLE[part].abs() + EVEN);
+            let free = [0, 3].into_iter().all(|part| rises(part) < SLOPE * SOLE[part].abs() + EVEN);
+            (even && free && (under - height).abs() < CLIMB).then(|| place.push(under))
         });
         found.into_iter().next().unwrap_or_else(|| place.push(height))
     }
@@ -64,8 +67,8 @@ impl<'a> Terrain<'a> {
         let missing = (1..MOMENTS).map(|moment| {
             let share = f64::from(moment) / f64::from(MOMENTS);
             let (place, gain) = (way.at(share), way.gain(share));
-            let [heel, middle, toe] = self.heights(place.xy(), way.heading);
-            let highest = middle.at_least(heel - tilt[0]).at_least(toe - tilt[1]);
+            let heights = self.heights(place.xy(), way.heading);
+            let highest = heights.iter().zip(tilt).map(|(height, tilt)| height - tilt).fold(f64::NEG_INFINITY, f64::at_least);
             (highest + CLEAR * gain - place.z) / gain.at_least(0.1)
         });
         missing.fold(0.0, f64::at_least).at_most(MOST_LIFT)
