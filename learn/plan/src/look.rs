@@ -9,15 +9,23 @@ use msk_runtime::policy::PolicyContext;
 use std::sync::atomic::AtomicBool;
 
 /// Paces at which a gait is imagined, as shares of the largest: forward, left, turn.
-const PACES: [[f64; 3]; 8] = [
+const PACES: [[f64; 3]; 16] = [
     [0.0, 0.0, 0.0],
+    [0.3, 0.0, 0.0],
     [0.5, 0.0, 0.0],
+    [0.6, 0.0, 0.0],
+    [0.7, 0.0, 0.0],
+    [0.8, 0.0, 0.0],
     [1.0, 0.0, 0.0],
-    [-0.5, 0.0, 0.0],
+    [-0.3, 0.0, 0.0],
+    [-0.6, 0.0, 0.0],
     [0.0, 0.7, 0.0],
     [0.0, -0.7, 0.0],
     [0.5, 0.0, 0.7],
     [0.5, 0.0, -0.7],
+    [0.7, 0.0, 0.3],
+    [0.7, 0.0, -0.3],
+    [0.0, 0.0, 0.7],
 ];
 
 /// A comparison of choices at the start of an episode.
@@ -86,7 +94,8 @@ impl Look<'_> {
     fn worths(&self, space: &Space, plans: &[Curve]) -> Vec<Worth> {
         let entries = vec![self.extent.rest; space.size(self.context)];
         let present = Present { context: *self.context, space, entries: &entries, name: "plan/look" };
-        let traces = self.imaginer.play(&present, plans, Extent { steps: [self.steps, 0], ..self.extent }, self.stop);
+        let rough = self.extent.rough && space.pace().is_empty();
+        let traces = self.imaginer.play(&present, plans, Extent { steps: [self.steps, 0], rough, ..self.extent }, self.stop);
         traces.unwrap_or_default().iter().map(Worth::of).collect()
     }
 }

@@ -28,6 +28,8 @@ struct Planning {
     imaginer: Imaginer,
     space: Space,
     search: Search,
+    /// Those of its space.
+    settings: Settings,
     judge: Judge,
     extent: Extent,
     /// When the plan was made, in control steps.
@@ -66,9 +68,9 @@ impl Policy for Planner<'_> {
     }
 
     fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
-        let Self { settings, stop, present, .. } = self;
+        let Self { stop, present, .. } = self;
         let Some(planning) = present else { return Err(self.unable("it has not been reset")) };
-        planning.plan(context, settings, stop)?;
+        planning.plan(context, stop)?;
         planning.act(context, action).map_err(|reason| self.unable(reason))
     }
 }
@@ -78,8 +80,7 @@ impl Planning {
         let space = Space::new(context, settings.space, &settings.targets)?;
         let rest = space.rest(context);
         let in_steps = |time: f64| steps(time, context.task.control_frequency);
-        let horizon = in_steps(settings.horizon);
-        if horizon == 0 {
+        if in_steps(settings.horizon) == 0 {
             let (horizon, period) = (settings.horizon, context.engine.control_period());
             return Err(format!("its horizon of {horizon} s is shorter than a control step of {period} s"));
         }
@@ -89,16 +90,18 @@ impl Planning {
             Some(before) if before.engine.is(context.engine) => before.imaginer,
             _ => Imaginer::new(context.engine.imagining(settings.coarseness).map_err(|error| error.to_string())?),
         };
-        let Settings { rough, avoid_success, .. } = *settings;
-        let (steps, hold) = ([horizon, in_steps(settings.tail)], in_steps(settings.hold).max(1));
-        let mut extent = Extent { steps, hold, rough, avoid_success, balance: false, rest, follow };
-        let look = Look { context, imaginer: &imaginer, extent, steps: in_steps(settings.look), stop };
+        let hold = in_steps(settings.hold).max(1);
+        let extent = |settings: &Settings| {
+            let Settings { horizon, tail, rough, avoid_success, .. } = *settings;
+            Extent { steps: [horizon, tail].map(in_steps), hold, rough, avoid_success, balance: false, rest, follow }
+        };
+        let look = Look { context, imaginer: &imaginer, extent: extent(settings), steps: in_steps(settings.look), stop };
         let (space, plan) = look.choose(space, settings)?;
-        let (width, search) = (space.size(context), Search::around(plan, settings));
-        if !space.pace().is_empty() {
-            // A gait that goes wrong does so within two more steps.
-            extent.steps[1] = extent.steps[1].max(in_steps(STRIDE));
-        }
+        let walks = !space.pace().is_empty();
+        let settings = if walks { settings.walking(in_steps) } else { settings.clone() };
+        let extent = extent(&settings);
+        let (width, search) = (space.size(context), Search::around(plan, &settings));
+        let sight = f64::from(extent.steps[0] + extent.steps[1]);
         Ok(Self {
             engine: context.engine.clone(),
             imaginer,
@@ -109,8 +112,11 @@ impl Planning {
                 tail_weight: settings.tail_weight,
                 failure_price: settings.failure_price * context.task.control_frequency,
                 balance_price: settings.balance_price * context.task.control_frequency,
-                change_price: settings.change_price * f64::from(horizon),
+                // A body that changes its pace for next to nothing stumbles.
+                stay_price: if walks { STAY * sight } else { 0.0 },
+                change_price: settings.change_price * f64::from(extent.steps[0]),
             },
+            settings,
             extent,
             planned: None,
             asked: vec![rest; width],
@@ -120,7 +126,8 @@ impl Planning {
     }
 
     /// Plans where the present plan has been followed for long enough.
-    fn plan(&mut self, context: &PolicyContext<'_>, settings: &Settings, stop: &AtomicBool) -> Result<(), PolicyError> {
+    fn plan(&mut self, context: &PolicyContext<'_>, stop: &AtomicBool) -> Result<(), PolicyError> {
+        let settings = &self.settings;
         let since = self.planned.map(|planned| context.step - planned);
         let rounds = match since {
             Some(since) if since < settings.replan => return Ok(()),
@@ -136,7 +143,7 @@ impl Planning {
         let stands = context.task.followed(context.progress).is_none() && self.space.pace().is_empty();
         let extent = Extent { balance: stands && settings.balance_price > 0.0, ..self.extent };
         for round in 0..rounds {
-            let plans = self.proposals(context, settings, round);
+            let plans = self.proposals(context, round);
             let present = Present { context: *context, space: &self.space, entries: &self.entries, name: &name };
             let traces = self.imaginer.play(&present, &plans, extent, stop).ok_or(PolicyError::Interrupted)?;
             let changes: Vec<f64> = plans.iter().map(|plan| plan.mean_square(self.extent.rest)).collect();
@@ -148,8 +155,8 @@ impl Planning {
     }
 
     /// The plans of a round: the present one, none at all, the mean of good ones, the present one as it fades, and proposals around these.
-    fn proposals(&self, context: &PolicyContext<'_>, settings: &Settings, round: u32) -> Vec<Curve> {
-        let Search { plan, mean, deviation } = &self.search;
+    fn proposals(&self, context: &PolicyContext<'_>, round: u32) -> Vec<Curve> {
+        let (settings, Search { plan, mean, deviation }) = (&self.settings, &self.search);
         let fading = plan.fading(self.extent.rest);
         let idle = Curve { values: vec![self.extent.rest; plan.values.len()], ..plan.clone() };
         let noise = Noise { colour: settings.colour, part: settings.part };
@@ -181,8 +188,8 @@ impl Planning {
     }
 }
 
-/// For how long a gait is judged at least after the end of a plan, s.
-const STRIDE: f64 = 1.0;
+/// By which share of the reward in sight another pace has to be better than the present one.
+const STAY: f64 = 0.02;
 
 /// Control steps that come nearest to a time, s.
 fn steps(time: f64, frequency: f64) -> u32 {

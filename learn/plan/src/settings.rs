@@ -1,5 +1,6 @@
 //! Settings of a planner: presets, files, and what they may hold.
 
+use msk_physics::scalar::Real;
 use msk_settings::{Checked, SettingsError};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -110,7 +111,7 @@ impl Default for Targets {
             root: 0.4,
             reach: 0.6,
             priority_factor: 4.0,
-            pace: [0.8, 0.2, 0.5],
+            pace: [1.0, 0.2, 0.5],
             along: Along::Auto,
         }
     }
@@ -190,13 +191,18 @@ impl Default for Settings {
     }
 }
 
+/// For how long at least a gait is planned, and is judged after that, s: three steps of its feet each.
+const SIGHT: f64 = 1.5;
+/// For how long a pace lasts at least, s.
+const LASTS: f64 = 0.3;
+
 impl Settings {
     /// Those of a preset.
     pub fn of(preset: Preset) -> Self {
         let fast = Self {
             preset,
             space: SpaceChoice::Auto,
-            look: 3.0,
+            look: 5.0,
             method: Method::Cem,
             horizon: 0.6,
             tail: 0.2,
@@ -229,6 +235,22 @@ impl Settings {
             Preset::Fast => fast,
             Preset::Good => Self { samples: 48, horizon: 0.8, tail: 0.3, replan: 5, ..fast },
             Preset::Best => Self { samples: 96, rounds: 2, horizon: 1.0, tail: 0.5, replan: 5, ..fast },
+        }
+    }
+
+    /// The same for plans that say how a gait goes, with times in control steps by `in_steps`. A pace lasts: it is seen for some steps of the feet, made
+    /// anew less often, and asks for no less where its plan ends. A step depends on forces more closely than a pose does.
+    #[must_use]
+    pub(crate) fn walking(&self, in_steps: impl Fn(f64) -> u32) -> Self {
+        Self {
+            horizon: self.horizon.at_least(SIGHT),
+            tail: self.tail.at_least(SIGHT),
+            replan: self.replan.max(in_steps(LASTS)),
+            decay: 1.0,
+            change_price: 0.0,
+            colour: self.colour.at_least(0.9),
+            rough: false,
+            ..self.clone()
         }
     }
 

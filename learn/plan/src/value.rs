@@ -58,6 +58,8 @@ pub(crate) struct Judge {
     pub failure_price: f64,
     /// Price of an [`IMBALANCE`] at the end, in steps of the usual reward.
     pub balance_price: f64,
+    /// How much better another plan has to be than the first, the present one, in steps of the usual reward.
+    pub stay_price: f64,
     /// Price of a plan whose entries are all at the ends of their ranges, in steps of the usual reward.
     pub change_price: f64,
 }
@@ -67,7 +69,9 @@ impl Judge {
     pub fn values(&self, traces: &[Trace], changes: &[f64]) -> Vec<f64> {
         let units = Units::of(traces);
         let change_price = units.usual * self.change_price;
-        traces.iter().zip(changes).map(|(trace, change)| self.value(trace, units) - change_price * change).collect()
+        let stay_price = |index: usize| if index == 0 { 0.0 } else { units.usual * self.stay_price };
+        let each = traces.iter().zip(changes).enumerate();
+        each.map(|(index, (trace, change))| self.value(trace, units) - change_price * change - stay_price(index)).collect()
     }
 
     fn value(&self, trace: &Trace, units: Units) -> f64 {
@@ -94,7 +98,7 @@ impl Judge {
 mod tests {
     use super::*;
 
-    const JUDGE: Judge = Judge { steps: [10, 5], tail_weight: 0.5, failure_price: 10.0, balance_price: 4.0, change_price: 0.0 };
+    const JUDGE: Judge = Judge { steps: [10, 5], tail_weight: 0.5, failure_price: 10.0, balance_price: 4.0, stay_price: 0.0, change_price: 0.0 };
 
     const ONE: Units = Units { largest: 1.0, usual: 1.0 };
 
@@ -111,6 +115,13 @@ mod tests {
         let judge = Judge { change_price: 2.0, ..JUDGE };
         let same = [trace([5.0, 0.0], 15, false); 2];
         assert_eq!(judge.values(&same, &[0.25, 0.0]), [4.5, 5.0]);
+    }
+
+    #[test]
+    fn another_plan_has_to_be_better_by_the_price_of_leaving_the_present_one() {
+        let judge = Judge { stay_price: 0.5, ..JUDGE };
+        let traces = [trace([5.0, 0.0], 15, false), trace([5.75, 0.0], 15, false)];
+        assert_eq!(judge.values(&traces, &[0.0; 2]), [5.0, 5.25]);
     }
 
     #[test]
