@@ -181,8 +181,13 @@ impl ActionSpace {
                 let priorities = ["balance", "feet"].into_iter().filter(|_| offsets.priorities > 0.0).map(str::to_owned);
                 let walk = ["forward", "left", "turn"].into_iter().filter(|_| offsets.walks()).map(|axis| format!("walk.{axis}"));
                 let axes = moved(offsets.center_of_mass, "com").chain(moved(offsets.root, "root"));
-                let hand = |&hand: &usize| vocabulary.landmarks.get(hand).map_or_else(String::new, |landmark| landmark.name.clone());
-                let hands = offsets.hands.iter().map(hand).flat_map(|name| ["forward", "left", "up"].map(|axis| format!("{name}.{axis}")));
+                let hand =
+                    |&hand: &usize| vocabulary.landmarks.get(hand).map_or_else(String::new, |landmark| landmark.name.clone());
+                let hands = offsets
+                    .hands
+                    .iter()
+                    .map(hand)
+                    .flat_map(|name| ["forward", "left", "up"].map(|axis| format!("{name}.{axis}")));
                 joints.chain(axes).chain(hands).chain(walk).chain(priorities).collect()
             }
         }

@@ -98,7 +98,8 @@ impl Judge {
 mod tests {
     use super::*;
 
-    const JUDGE: Judge = Judge { steps: [10, 5], tail_weight: 0.5, failure_price: 10.0, balance_price: 4.0, stay_price: 0.0, change_price: 0.0 };
+    const JUDGE: Judge =
+        Judge { steps: [10, 5], tail_weight: 0.5, failure_price: 10.0, balance_price: 4.0, stay_price: 0.0, change_price: 0.0 };
 
     const ONE: Units = Units { largest: 1.0, usual: 1.0 };
 

@@ -163,7 +163,13 @@ impl Feedback {
     }
 
     /// Wishes for changes of coordinates (rad or m) from where they are now, within the ranges of their joints.
-    pub fn wish_changes(&self, changes: impl Iterator<Item = (usize, f64)>, law: &Law, (view, body): (&View<'_>, &Body), wishes: &mut Wishes) {
+    pub fn wish_changes(
+        &self,
+        changes: impl Iterator<Item = (usize, f64)>,
+        law: &Law,
+        (view, body): (&View<'_>, &Body),
+        wishes: &mut Wishes,
+    ) {
         for (coordinate, change) in changes {
             let of_joint = |joint: &&JointReference| view.coordinates.of(joint.dof) == Some(coordinate);
             let Some(joint) = self.joints.iter().find(of_joint) else { continue };
@@ -219,7 +225,6 @@ impl Feedback {
                 bending: Vector3::new(step.acceleration.x, step.acceleration.y, 0.0),
                 laws: WALKING_CENTRE,
                 factor: offsets.factor(Priority::Balance),
-                ..CentreWish::default()
             };
         }
         wishes.feet.extend(points.iter().filter_map(|point| step.wish(point)));

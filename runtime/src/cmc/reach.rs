@@ -62,7 +62,14 @@ impl Reaching {
     }
 
     /// Adds the wishes of joints that bring hands where `offsets` have them, from where they are at `rest`.
-    pub fn wish(&mut self, (present, view): (&Present<'_>, &View<'_>), rest: &[Vector3<f64>], feedback: &Feedback, offsets: &Offsets, wishes: &mut Wishes) {
+    pub fn wish(
+        &mut self,
+        (present, view): (&Present<'_>, &View<'_>),
+        rest: &[Vector3<f64>],
+        feedback: &Feedback,
+        offsets: &Offsets,
+        wishes: &mut Wishes,
+    ) {
         let &Present { body, model, state, workspace } = present;
         if offsets.hands.iter().all(|(_, offset)| *offset == Vector3::zeros()) {
             return;

@@ -301,7 +301,8 @@ impl Gait {
             let bearing = &now.placed[stance];
             let (place, heading) = (now.middle(stance) + landing, self.heading + swung.toes);
             let terrain = Terrain::under(present);
-            let to = terrain.map_or_else(|| place.push(bearing.ground()), |terrain| terrain.foothold(place, heading, bearing.ground()));
+            let to = terrain
+                .map_or_else(|| place.push(bearing.ground()), |terrain| terrain.foothold(place, heading, bearing.ground()));
             let normal = terrain.map_or_else(Vector3::z, |terrain| terrain.normal(to.xy()));
             let mut way = Way { from, to, heading, normal, lift: 0.0 };
             way.lift = terrain.map_or(0.0, |terrain| terrain.lift(&way));
