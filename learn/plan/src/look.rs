@@ -78,9 +78,9 @@ impl Look<'_> {
         let (mut best, mut chosen) = (Worth::default(), (0, 0));
         for (choice, (space, plans)) in choices.iter().enumerate() {
             for (plan, worth) in self.worths(space, plans).into_iter().enumerate() {
-                // A gait that serves as well as a pose can go on anywhere.
+                // A gait that serves as well as a pose steps wherever its hands lead it.
                 let walks = |choice: usize| !choices[choice].0.pace().is_empty();
-                let goes_on = walks(choice) && !walks(chosen.0) && worth.is_about(&best);
+                let goes_on = space.reaches() && walks(choice) && !walks(chosen.0) && worth.is_about(&best);
                 if worth > best || goes_on {
                     (best, chosen) = (worth, (choice, plan));
                 }

@@ -87,6 +87,16 @@ impl Space {
         }
     }
 
+    /// Whether entries of a plan move hands.
+    pub fn reaches(&self) -> bool {
+        match self {
+            Self::Task => false,
+            Self::Other(moved) => {
+                matches!(&moved.controls.space().target, ActionTarget::MuscleControl(offsets) if !offsets.hands.is_empty())
+            }
+        }
+    }
+
     /// Which entries the actions have that it gives to the episode.
     pub fn acts_on(&self) -> ActsOn {
         match self {

@@ -20,6 +20,8 @@ const REACH: Law = Law::critical(300.0, 17.3, 2.0);
 const DAMPING: f64 = 0.1;
 /// How far a hand is to go in one step at most, m.
 const STRIDE: f64 = 0.25;
+/// What carries less than this share of the body belongs to an arm, what carries more to the trunk.
+const ARM: f64 = 0.15;
 /// An offset of this length or more counts wholly, m; a smaller one less, so that none asks for nothing.
 const WHOLE: f64 = 0.1;
 
@@ -43,22 +45,20 @@ pub(super) struct Reaching {
 struct Arm {
     hand: usize,
     moved: Moved,
-    /// Which of its coordinates belong to the arm: they move no other hand.
+    /// Which of its coordinates belong to the arm.
     own: Vec<bool>,
 }
 
 impl Reaching {
     pub fn new(model: &Model, body: &Body, coordinates: &Coordinates) -> Self {
-        let moved = |&hand: &usize| Moved::body(model, coordinates, body.landmarks[hand].body);
-        let all: Vec<Moved> = body.hands().iter().map(moved).collect();
-        let trunk = Moved::body(model, coordinates, body.root.body);
-        let shares = |coordinate: &usize| {
-            let hands = all.iter().filter(|moved| moved.coordinates.contains(coordinate)).count();
-            hands > 1 || trunk.coordinates.contains(coordinate)
+        let carried = |dof: usize| model.bodies.subtree_mass[model.dofs.body[dof]];
+        let arm = |&hand: &usize| {
+            let moved = Moved::body(model, coordinates, body.landmarks[hand].body);
+            let own = moved.coordinates.iter().map(|&coordinate| carried(coordinates.dofs[coordinate]) < ARM * body.mass);
+            Arm { hand, own: own.collect(), moved }
         };
-        let own = |moved: &Moved| moved.coordinates.iter().map(|coordinate| !shares(coordinate)).collect();
-        let arms = body.hands().iter().zip(&all).map(|(&hand, moved)| Arm { hand, own: own(moved), moved: moved.clone() });
-        Self { slopes: Slopes::new(coordinates), arms: arms.collect(), motion: Vec::new() }
+        let arms = body.hands().iter().map(arm).collect();
+        Self { slopes: Slopes::new(coordinates), arms, motion: Vec::new() }
     }
 
     /// Adds the wishes of joints that bring hands where `offsets` have them, from where they are at `rest`.

@@ -44,13 +44,22 @@ fn description() -> BodyDescription {
             .to_vec(),
         ..Default::default()
     };
+    let palm = LandmarkDescription {
+        name: "palm_r".into(),
+        body: "thirdmc_r".into(),
+        forward: Axis::PlusX,
+        up: Axis::PlusY,
+        point: [0.0, 0.0, -0.012],
+        ..Default::default()
+    };
     BodyDescription {
         name: "human".into(),
         root: "Full Body".into(),
         root_forward: Axis::MinusY,
         root_up: Axis::PlusZ,
         excitation: ExcitationMap::Linear,
-        landmarks: ["l", "r"].map(foot).to_vec(),
+        landmarks: ["l", "r"].map(foot).into_iter().chain([palm]).collect(),
+        landmark_groups: vec![("hands".into(), vec!["palm_r".into()])],
         poses: vec![("neutral".into(), ["l", "r"].map(|side| (format!("shoulder_elv_{side}"), 0.14)).to_vec())],
         ..Default::default()
     }
@@ -244,10 +253,55 @@ fn a_gait_walks_turns_and_stands_again() {
     assert!((1.0..2.2).contains(&ahead.x) && ahead.y.abs() < 0.2 && heading.abs() < 0.2, "{ahead:?} m, {heading} rad");
     let (_, heading) = walk(3, 0.2, 0.5);
     assert!((1.0..1.8).contains(&heading), "turned by {heading} rad");
-    let (still, _) = walk(2, 0.0, 0.0);
+    let (still, _) = walk(3, 0.0, 0.0);
     let (end, heading_then) = walk(1, 0.0, 0.0);
     assert!((end - still).norm() < 0.05 && (heading_then - heading).abs() < 0.3, "{still:?} m, then {end:?} m");
     assert!(end.z > -0.08, "{} m lower", -end.z);
+}
+
+/// A gait that began with bent knees once kept them bent, and went half as fast as asked.
+#[test]
+fn a_gait_rises_to_its_height_whatever_it_begins_with() {
+    let mut stand = Stand::new();
+    let tall = stand.com().z;
+    let bend = |stand: &mut Stand, name: &str, angle: f64| {
+        let joint = stand.body.joints.iter().position(|joint| joint.name == name).unwrap();
+        stand.pose[joint] = angle;
+    };
+    for side in ["l", "r"] {
+        let angles = [("hip_flexion", 0.4), ("knee_angle", 0.8), ("ankle_angle", 0.4)];
+        angles.map(|(joint, angle)| bend(&mut stand, &format!("{joint}_{side}"), angle));
+    }
+    let Stand { model, body, state, workspace, pose, .. } = &mut stand;
+    body.place(model, &RootPlacement::default(), pose, state, workspace);
+    physics::forward(model, state, workspace).unwrap();
+    let low = stand.com().z;
+    assert!(low < tall - 0.05, "{low} m is as high as {tall} m");
+    let mut controller = stand.controller();
+    controller.walk(&stand.present()).unwrap();
+    for _ in 0..300 {
+        let walk = Walk { velocity: Vector2::new(0.6, 0.0), turn: 0.0 };
+        stand.ask(&mut controller, &Offsets { walk, ..Offsets::default() });
+        stand.simulate();
+    }
+    assert!(stand.com().z > tall - 0.07, "{} m high, of {tall} m", stand.com().z);
+}
+
+#[test]
+fn a_hand_comes_where_it_is_to_be_and_the_body_stands() {
+    let mut stand = Stand::new();
+    let mut controller = stand.controller();
+    let hand = stand.body.hands()[0];
+    let palm = |stand: &Stand| stand.body.landmark_position(&stand.workspace.kinematics, hand);
+    let (start, centre) = (palm(&stand), stand.com());
+    let offset = Vector3::new(0.35, 0.1, 0.4);
+    for _ in 0..150 {
+        stand.ask(&mut controller, &Offsets { hands: vec![(hand, offset)], ..Offsets::default() });
+        stand.simulate();
+    }
+    let missing = start + offset - palm(&stand);
+    assert!(missing.norm() < 0.08, "{missing:?} m are missing");
+    assert!((stand.com() - centre).norm() < 0.06, "{:?} m away", stand.com() - centre);
 }
 
 #[test]

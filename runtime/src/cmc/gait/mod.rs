@@ -37,6 +37,8 @@ pub(crate) struct Walk {
 
 /// Between the middles of the soles of a body that goes straight on, m; the least; and how far a foot reaches ahead, back and to its side, m.
 const WIDTH: f64 = 0.16;
+/// And of one that is to stay.
+const STANDING_WIDTH: f64 = 0.2;
 const LEAST_WIDTH: f64 = 0.11;
 const REACH: [f64; 3] = [0.7, -0.6, 0.5];
 /// How far out or in a foot points at most, rad.
@@ -56,7 +58,7 @@ const RISING: f64 = 0.3;
 /// What is slower stays, m/s and rad/s; what is further from the middle of its feet has to step, and after a step less far may stay, m.
 const STILL: f64 = 0.05;
 const PUSHED: f64 = 0.12;
-const CAUGHT: f64 = 0.05;
+const CAUGHT: f64 = 0.03;
 /// Weight has shifted to a foot if the capture point is as near, m; at the latest after this time, s.
 const SHIFTED: f64 = 0.062;
 const SHIFTING: f64 = 0.5;
@@ -237,8 +239,12 @@ impl Gait {
         self.heading += self.walk.turn * hold;
     }
 
+    fn moves(&self) -> bool {
+        self.walk.velocity.norm() > STILL || self.walk.turn.abs() > STILL
+    }
+
     fn change_phase(&mut self, now: &Now) {
-        let moves = self.walk.velocity.norm() > STILL || self.walk.turn.abs() > STILL;
+        let moves = self.moves();
         let pushed = now.capture - now.centre();
         self.phase = match self.phase {
             Phase::Standing if moves || pushed.norm() > PUSHED => {
@@ -283,7 +289,8 @@ impl Gait {
     ) -> (Vector2<f64>, Option<Swing>) {
         let (pendulum, swung) = (&now.pendulum, &self.feet[1 - stance]);
         let places = [from, now.middle(stance)];
-        let course = pendulum.course(self.walk.velocity, Vector2::new(0.0, swung.side * WIDTH));
+        let width = if self.moves() { WIDTH } else { STANDING_WIDTH };
+        let course = pendulum.course(self.walk.velocity, Vector2::new(0.0, swung.side * width));
         let end = turning::level(pendulum.end(now.capture, time, places) - now.middle(stance), -self.heading);
         let authority = pendulum.authority(time);
         let wanted = (end - pendulum.usual_end(&course)) / authority.at_least(1e-3);

@@ -105,7 +105,7 @@ mod tests {
     proptest! {
         #[test]
         fn the_end_is_that_of_the_equation_of_motion(
-            capture in prop::array::uniform2(-0.3..0.3_f64), from in prop::array::uniform2(-0.3..0.3_f64), begun in 0.0..0.5_f64,
+            capture in prop::array::uniform2(-0.3..0.3_f64), from in prop::array::uniform2(-0.3..0.3_f64), begun in 0.0..BOTH + SINGLE,
         ) {
             let (pendulum, places) = (Pendulum::new(0.9, 9.81), [vector(from), Vector2::zeros()]);
             let (steps, mut found) = (20_000, vector(capture));
