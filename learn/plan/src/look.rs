@@ -91,12 +91,19 @@ impl Look<'_> {
         Ok((space, plans.swap_remove(plan)))
     }
 
+    /// What the plans of a space are worth.
     fn worths(&self, space: &Space, plans: &[Curve]) -> Vec<Worth> {
         let entries = vec![self.extent.rest; space.size(self.context)];
         let present = Present { context: *self.context, space, entries: &entries, name: "plan/look" };
         let rough = self.extent.rough && space.pace().is_empty();
         let traces = self.imaginer.play(&present, plans, Extent { steps: [self.steps, 0], rough, ..self.extent }, self.stop);
-        traces.unwrap_or_default().iter().map(Worth::of).collect()
+        let mut worths: Vec<Worth> = traces.unwrap_or_default().iter().map(Worth::of).collect();
+        let lasting = worths.iter().filter(|worth| worth.lasts).count();
+        if LASTING * lasting < worths.len() {
+            // One pace among many that fall was lucky.
+            worths.iter_mut().filter(|worth| worth.lasts).for_each(|worth| (worth.lasts, worth.steps) = (false, self.steps));
+        }
+        worths
     }
 }
 
@@ -108,6 +115,9 @@ struct Worth {
     steps: u32,
     reward: f64,
 }
+
+/// Of a gait that can be relied on one in so many paces lasts.
+const LASTING: usize = 4;
 
 /// Rewards that differ by this share are about the same.
 const ABOUT: f64 = 0.02;
