@@ -269,8 +269,9 @@ fn a_gait_rises_to_its_height_whatever_it_begins_with() {
         stand.pose[joint] = angle;
     };
     for side in ["l", "r"] {
-        let angles = [("hip_flexion", 0.4), ("knee_angle", 0.8), ("ankle_angle", 0.4)];
-        angles.map(|(joint, angle)| bend(&mut stand, &format!("{joint}_{side}"), angle));
+        for (joint, angle) in [("hip_flexion", 0.4), ("knee_angle", 0.8), ("ankle_angle", 0.4)] {
+            bend(&mut stand, &format!("{joint}_{side}"), angle);
+        }
     }
     let Stand { model, body, state, workspace, pose, .. } = &mut stand;
     body.place(model, &RootPlacement::default(), pose, state, workspace);

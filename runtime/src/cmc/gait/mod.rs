@@ -35,9 +35,9 @@ pub(crate) struct Walk {
     pub turn: f64,
 }
 
-/// Between the middles of the soles of a body that goes straight on, m; the least; and how far a foot reaches ahead, back and to its side, m.
+/// Between the middles of the soles of a body that goes straight on, m; of one that is to stay, which a narrower stance lets fall; the least; and how far a
+/// foot reaches ahead, back and to its side, m.
 const WIDTH: f64 = 0.16;
-/// And of one that is to stay.
 const STANDING_WIDTH: f64 = 0.2;
 const LEAST_WIDTH: f64 = 0.11;
 const REACH: [f64; 3] = [0.7, -0.6, 0.5];
