@@ -117,7 +117,7 @@ struct Worth {
 }
 
 /// Of a gait that can be relied on one in so many paces lasts.
-const LASTING: usize = 4;
+const LASTING: usize = 2;
 
 /// Rewards that differ by this share are about the same.
 const ABOUT: f64 = 0.02;
