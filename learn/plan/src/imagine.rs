@@ -120,7 +120,8 @@ impl Memory {
             let lane = &mut self.lanes[index];
             engine.imagine(context.episode, name, &mut lane.episode);
             lane.space.clone_from(space);
-            if rough {
+            // A step depends on forces more closely than a pose does.
+            if rough && !space.walks() {
                 lane.space.make_rough();
                 lane.episode.make_rough();
             }

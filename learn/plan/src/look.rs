@@ -79,8 +79,8 @@ impl Look<'_> {
         for (choice, (space, plans)) in choices.iter().enumerate() {
             for (plan, worth) in self.worths(space, plans).into_iter().enumerate() {
                 // A gait that serves as well as a pose steps wherever its hands lead it.
-                let walks = |choice: usize| !choices[choice].0.pace().is_empty();
-                let goes_on = space.reaches() && walks(choice) && !walks(chosen.0) && worth.is_about(&best);
+                let steps = space.walks() && space.reaches() && !choices[chosen.0].0.walks();
+                let goes_on = steps && worth.is_about(&best);
                 if worth > best || goes_on {
                     (best, chosen) = (worth, (choice, plan));
                 }
@@ -95,8 +95,7 @@ impl Look<'_> {
     fn worths(&self, space: &Space, plans: &[Curve]) -> Vec<Worth> {
         let entries = vec![self.extent.rest; space.size(self.context)];
         let present = Present { context: *self.context, space, entries: &entries, name: "plan/look" };
-        let rough = self.extent.rough && space.pace().is_empty();
-        let traces = self.imaginer.play(&present, plans, Extent { steps: [self.steps, 0], rough, ..self.extent }, self.stop);
+        let traces = self.imaginer.play(&present, plans, Extent { steps: [self.steps, 0], ..self.extent }, self.stop);
         let mut worths: Vec<Worth> = traces.unwrap_or_default().iter().map(Worth::of).collect();
         let lasting = worths.iter().filter(|worth| worth.lasts).count();
         if LASTING * lasting < worths.len() {

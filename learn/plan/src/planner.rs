@@ -97,7 +97,7 @@ impl Planning {
         };
         let look = Look { context, imaginer: &imaginer, extent: extent(settings), steps: in_steps(settings.look), stop };
         let (space, plan) = look.choose(space, settings)?;
-        let walks = !space.pace().is_empty();
+        let walks = space.walks();
         let settings = if walks { settings.walking(in_steps) } else { settings.clone() };
         let extent = extent(&settings);
         let (width, search) = (space.size(context), Search::around(plan, &settings));
@@ -140,7 +140,7 @@ impl Planning {
         };
         let name = format!("plan/{}", context.step);
         // Who follows a motion, or walks, leaves the support on purpose, and is caught by the next step.
-        let stands = context.task.followed(context.progress).is_none() && self.space.pace().is_empty();
+        let stands = context.task.followed(context.progress).is_none() && !self.space.walks();
         let extent = Extent { balance: stands && settings.balance_price > 0.0, ..self.extent };
         for round in 0..rounds {
             let plans = self.proposals(context, round);

@@ -239,7 +239,7 @@ impl Settings {
     }
 
     /// The same for plans that say how a gait goes, with times in control steps by `in_steps`. A pace lasts: it is seen for some steps of the feet, made
-    /// anew less often, and asks for no less where its plan ends. A step depends on forces more closely than a pose does.
+    /// anew less often, and asks for no less where its plan ends.
     #[must_use]
     pub(crate) fn walking(&self, in_steps: impl Fn(f64) -> u32) -> Self {
         Self {
@@ -249,7 +249,6 @@ impl Settings {
             decay: 1.0,
             change_price: 0.0,
             colour: self.colour.at_least(0.9),
-            rough: false,
             ..self.clone()
         }
     }

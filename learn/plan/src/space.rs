@@ -87,6 +87,11 @@ impl Space {
         }
     }
 
+    /// Whether entries of a plan say how a gait goes.
+    pub fn walks(&self) -> bool {
+        !self.pace().is_empty()
+    }
+
     /// Whether entries of a plan move hands.
     pub fn reaches(&self) -> bool {
         match self {

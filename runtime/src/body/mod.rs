@@ -29,6 +29,7 @@ pub use changes::ChangeError;
 use core::ops::Range;
 use msk_physics::kinematics::Kinematics;
 use msk_physics::model::{JointKind, Model};
+use msk_physics::scalar::Real;
 use msk_program::body::{Axis, ExcitationMap};
 use msk_program::vocabulary::GroupKind;
 use nalgebra::{Matrix3, Vector3};
@@ -145,6 +146,13 @@ pub struct Joint {
     pub of_scene: bool,
 }
 
+impl Joint {
+    /// The coordinate within its range that is nearest to another, rad or m.
+    pub(crate) fn within_range(&self, coordinate: f64) -> f64 {
+        self.range.map_or(coordinate, |[low, high]| coordinate.clip(low, high))
+    }
+}
+
 /// A muscle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Muscle {
@@ -200,8 +208,13 @@ impl Body {
 
     /// The landmarks of the group `hands`; none where the body has no such group.
     pub fn hands(&self) -> &[usize] {
-        let group = self.groups.iter().find(|group| group.kind == GroupKind::Landmarks && group.name == "hands");
-        group.map_or(&[], |group| group.members.as_slice())
+        self.landmark_group("hands").unwrap_or_default()
+    }
+
+    /// The members of a group of landmarks.
+    pub(crate) fn landmark_group(&self, name: &str) -> Option<&[usize]> {
+        let group = self.groups.iter().find(|group| group.kind == GroupKind::Landmarks && group.name == name);
+        group.map(|group| group.members.as_slice())
     }
 
     /// The coordinates of the standing pose, in the order of `joints`, rad or m.

@@ -92,6 +92,13 @@ impl Body {
         forward.xy().try_normalize(1e-12).unwrap_or_else(Vector2::x)
     }
 
+    /// The axes of the root's heading, forward, left, up. A root that looks straight up or down has none: its axes are those of the world.
+    pub(crate) fn root_heading(&self, kinematics: &Kinematics<f64>) -> Matrix3<f64> {
+        let forward = kinematics.body_rotation[self.root.body] * self.root.axes.column(0);
+        let ahead = Vector3::new(forward.x, forward.y, 0.0).try_normalize(1e-9).unwrap_or_else(Vector3::x);
+        Matrix3::from_columns(&[ahead, Vector3::new(-ahead.y, ahead.x, 0.0), Vector3::z()])
+    }
+
     /// The place that an origin names, m.
     pub fn place_of(&self, kinematics: &Kinematics<f64>, origin: &Origin) -> Vector3<f64> {
         match origin {

@@ -270,8 +270,8 @@ impl Controller {
             Guide::Gait(gait) => match gait.advance(present, points, &offsets.walk, (step, view.hold)) {
                 Some(step) => self.feedback.walk(&view, body, (points, &step), offsets, wishes),
                 None => {
-                    let target = centre.map(|centre| centre + turning::vector(&self.offset, gait.turned()));
-                    let carried = Carried { turned: gait.turned(), risen: gait.risen() };
+                    let carried = gait.carried();
+                    let target = centre.map(|centre| centre + turning::vector(&self.offset, carried.turned));
                     self.feedback.hold(&view, body, (bearing, target), carried, offsets, wishes);
                 }
             },

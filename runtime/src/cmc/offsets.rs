@@ -3,7 +3,6 @@
 use super::{View, gait::Walk};
 use crate::body::Body;
 use msk_physics::rotation;
-use msk_physics::scalar::Real;
 use nalgebra::Vector3;
 
 /// By how much targets are moved; nothing by default.
@@ -41,10 +40,7 @@ impl Offsets {
     /// The target of a joint with its offset, kept within the joint's range.
     pub(super) fn joint(&self, body: &Body, index: usize, target: f64) -> f64 {
         let Some((_, offset)) = self.joints.iter().find(|(joint, _)| *joint == index) else { return target };
-        match body.joints[index].range {
-            Some([low, high]) => (target + offset).clip(low, high),
-            None => target + offset,
-        }
+        body.joints[index].within_range(target + offset)
     }
 
     /// The target orientation of the root with its offset.
@@ -60,13 +56,6 @@ impl Offsets {
         if self.center_of_mass == Vector3::zeros() {
             return Vector3::zeros();
         }
-        let forward = view.workspace.kinematics.body_rotation[body.root.body] * body.root.axes.column(0);
-        let level = Vector3::new(forward.x, forward.y, 0.0);
-        let length = level.norm();
-        // A root that looks straight up or down has no heading: its shift has the axes of the world.
-        let ahead = if length > 1e-9 { level / length } else { Vector3::x() };
-        let left = Vector3::new(-ahead.y, ahead.x, 0.0);
-        let shift = &self.center_of_mass;
-        ahead * shift.x + left * shift.y + Vector3::z() * shift.z
+        body.root_heading(&view.workspace.kinematics) * self.center_of_mass
     }
 }

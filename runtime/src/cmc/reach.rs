@@ -27,9 +27,10 @@ const WHOLE: f64 = 0.1;
 
 /// Where hands are when an episode begins, from the root in its heading: forward, left, up, m.
 pub(super) fn at_rest(present: &Present<'_>) -> Vec<Vector3<f64>> {
-    let ahead = Heading::of(present);
-    let place = |&hand: &usize| present.body.landmark_position(&present.workspace.kinematics, hand);
-    present.body.hands().iter().map(|hand| ahead.axes.transpose() * (place(hand) - ahead.origin)).collect()
+    let &Present { body, workspace, .. } = present;
+    let (root, heading) = (workspace.kinematics.body_position[body.root.body], body.root_heading(&workspace.kinematics));
+    let place = |&hand: &usize| body.landmark_position(&workspace.kinematics, hand);
+    body.hands().iter().map(|hand| heading.transpose() * (place(hand) - root)).collect()
 }
 
 /// Memory for what moves hands, laid out once per model.
@@ -76,17 +77,18 @@ impl Reaching {
         }
         let Self { slopes, arms, motion } = self;
         slopes.update(view.coordinates, model, state);
-        let ahead = Heading::of(present);
+        let kinematics = &workspace.kinematics;
+        let (root, heading) = (kinematics.body_position[body.root.body], body.root_heading(kinematics));
         for (Arm { hand, moved, own }, rest) in arms.iter().zip(rest) {
             let Some((_, offset)) = offsets.hands.iter().find(|(moved, _)| moved == hand) else { continue };
             let length = offset.norm();
             if length == 0.0 {
                 continue;
             }
-            let place = body.landmark_position(&workspace.kinematics, *hand);
-            let missing = ahead.origin + ahead.axes * (rest + offset) - place;
+            let place = body.landmark_position(kinematics, *hand);
+            let missing = root + heading * (rest + offset) - place;
             let missing = missing * (STRIDE / missing.norm().at_least(STRIDE));
-            moved.point((model, &workspace.kinematics, slopes), (body.landmarks[*hand].body, &place), motion);
+            moved.point((model, kinematics, slopes), (body.landmarks[*hand].body, &place), motion);
             let mut matrix = Matrix3::identity() * (DAMPING * DAMPING);
             let bends = || moved.coordinates.iter().zip(&*motion).zip(own).filter(|(_, own)| **own).map(|(bend, _)| bend);
             for (_, column) in bends() {
@@ -98,23 +100,5 @@ impl Reaching {
             let changes = bends().map(|(coordinate, column)| (*coordinate, column.dot(&pull)));
             feedback.wish_changes(changes, &law, (view, body), wishes);
         }
-    }
-}
-
-/// Where the root is, and where it faces.
-struct Heading {
-    origin: Vector3<f64>,
-    /// Forward, left, up.
-    axes: Matrix3<f64>,
-}
-
-impl Heading {
-    fn of(present: &Present<'_>) -> Self {
-        let &Present { body, workspace, .. } = present;
-        let kinematics = &workspace.kinematics;
-        let forward = kinematics.body_rotation[body.root.body] * body.root.axes.column(0);
-        let level = Vector3::new(forward.x, forward.y, 0.0).try_normalize(1e-9).unwrap_or_else(Vector3::x);
-        let axes = Matrix3::from_columns(&[level, Vector3::new(-level.y, level.x, 0.0), Vector3::z()]);
-        Self { origin: kinematics.body_position[body.root.body], axes }
     }
 }

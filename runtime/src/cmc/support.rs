@@ -6,7 +6,6 @@ use core::ops::Range;
 use msk_physics::kinematics::Kinematics;
 use msk_physics::model::{GeomKind, Model};
 use msk_physics::scalar::Real;
-use msk_program::vocabulary::GroupKind;
 use nalgebra::{Matrix3, Vector3};
 
 /// A point of a foot that faces the ground.
@@ -147,9 +146,8 @@ impl Support {
 
 /// The landmarks of the body's group `feet`, or all whose names begin with `sole`.
 fn members(body: &Body) -> Vec<usize> {
-    let group = body.groups.iter().find(|group| group.kind == GroupKind::Landmarks && group.name == "feet");
     let named = || (0..body.landmarks.len()).filter(|&index| body.landmarks[index].name.starts_with("sole"));
-    group.map_or_else(|| named().collect(), |group| group.members.clone())
+    body.landmark_group("feet").map_or_else(|| named().collect(), <[usize]>::to_vec)
 }
 
 /// Points of one shape at most: the corners of a box.

@@ -12,6 +12,7 @@ mod terrain;
 
 pub(super) use step::Step;
 
+use super::feedback::Carried;
 use super::motion::is_below;
 use super::support::{Point, Support};
 use super::{ControlError, Present, turning};
@@ -23,8 +24,7 @@ use msk_physics::{Workspace, kinematics};
 use msk_program::task::RootPlacement;
 use nalgebra::{Vector2, Vector3};
 use pendulum::{BOTH, Pendulum, SINGLE, pressure};
-use step::{Foot, Placed, Swing, Way};
-use terrain::Terrain;
+use step::{Foot, Placed, Swing};
 
 /// How a body shall walk.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -134,7 +134,7 @@ impl Gait {
         let [heading, ..] = body.turns(core::array::from_fn(|part| state.position[place + 3 + part]));
         let feet = feet(present, support, heading).ok_or(ControlError::NoGait)?;
         let placed = feet.each_ref().map(|foot| foot.placed(present, &support.points));
-        let ground = placed.map(|placed| placed.middle.z - placed.height);
+        let ground = placed.map(|placed| placed.ground());
         let com = workspace.kinematics.subtree_com[body.root.body];
         let level = ground[0].at_least(ground[1]);
         let pace = turning::level(velocity(present).xy(), -heading);
@@ -206,14 +206,9 @@ impl Gait {
         })
     }
 
-    /// How far the body has turned to the left since it began, rad.
-    pub fn turned(&self) -> f64 {
-        self.heading - self.begun
-    }
-
-    /// By how much the ground is higher than where it began, m.
-    pub fn risen(&self) -> f64 {
-        self.level - self.level_begun
+    /// How far the body has turned since it began, and by how much the ground is higher.
+    pub fn carried(&self) -> Carried {
+        Carried { turned: self.heading - self.begun, risen: self.level - self.level_begun }
     }
 
     /// Brings the level of the ground to another within a time, s.
@@ -301,23 +296,17 @@ impl Gait {
             false => usual + turning::level(within, self.heading),
         };
         let lifted = lifted.or_else(|| (time + now.hold > BOTH).then(|| now.placed[1 - stance]));
-        let swing = lifted.map(|from| {
+        let way = lifted.map(|from| {
             let landing = pendulum.landing(end - within * authority, &course);
             let aside = (swung.side * landing.y).clip(LEAST_WIDTH, REACH[2]) * swung.side;
             let landing = turning::level(Vector2::new(landing.x.clip(REACH[1], REACH[0]), aside), self.heading);
             let bearing = &now.placed[stance];
-            let (place, heading) = (now.middle(stance) + landing, self.heading + swung.toes);
-            let terrain = Terrain::under(present);
-            let to = terrain
-                .map_or_else(|| place.push(bearing.ground()), |terrain| terrain.foothold(place, heading, bearing.ground()));
-            let normal = terrain.map_or_else(Vector3::z, |terrain| terrain.normal(to.xy()));
-            let mut way = Way { from, to, heading, normal, lift: 0.0 };
-            way.lift = terrain.map_or(0.0, |terrain| terrain.lift(&way));
-            way.swing(swung, present, now.placed[1 - stance].middle, [time - BOTH, now.hold])
+            let place = (now.middle(stance) + landing).push(bearing.ground());
+            terrain::way(present, from, place, self.heading + swung.toes)
         });
-        let lands = swing.as_ref().map_or(now.placed[1 - stance].ground(), Swing::lands_at);
-        let left = (BOTH + SINGLE - time).at_least(now.hold);
-        self.climb(0.5 * (now.placed[stance].ground() + lands), left, now.hold);
+        let swing = way.as_ref().map(|way| way.swing(swung, present, now.placed[1 - stance].middle, [time - BOTH, now.hold]));
+        let lands = way.map_or(now.placed[1 - stance].ground(), |way| way.to.z);
+        self.climb(0.5 * (now.placed[stance].ground() + lands), BOTH + SINGLE - time, now.hold);
         self.phase = Phase::Stepping { stance, time: time + now.hold, from, lifted };
         (pressed, swing)
     }

@@ -73,7 +73,6 @@ pub(super) struct Swing {
     moving: Vector3<f64>,
     bending: Vector3<f64>,
     lands: bool,
-    level: f64,
 }
 
 /// Where a foot goes after it has left the ground.
@@ -93,13 +92,6 @@ impl Placed {
     /// Height of the ground under it, m.
     pub fn ground(&self) -> f64 {
         self.middle.z - self.height
-    }
-}
-
-impl Swing {
-    /// Height of the ground where the foot lands, m.
-    pub fn lands_at(&self) -> f64 {
-        self.level
     }
 }
 
@@ -145,7 +137,6 @@ impl Way {
             moving: (later - now) / (2.0 * hold),
             bending: (later - next * 2.0 + now) / (hold * hold),
             lands: time > LANDS * SINGLE,
-            level: self.to.z,
         }
     }
 }

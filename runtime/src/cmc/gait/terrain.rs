@@ -1,14 +1,23 @@
 //! Ground that is not level: where a foot may land on it, and how high it has to go over it.
 
-use super::step::Way;
+use super::step::{Placed, Way};
 use crate::cmc::{Present, turning};
 use crate::scene::ground::Ground;
 use msk_physics::scalar::Real;
 use nalgebra::{Vector2, Vector3};
 
-/// The ground of a scene with more than one plane.
+/// The way of a foot that points there from where it has left the ground to about a place on it.
+pub(super) fn way(present: &Present<'_>, from: Placed, place: Vector3<f64>, heading: f64) -> Way {
+    let level = Way { from, to: place, heading, normal: Vector3::z(), lift: 0.0 };
+    let Some(terrain) = Terrain::under(present) else { return level };
+    let to = terrain.foothold(place, heading);
+    let way = Way { to, normal: terrain.0.normal(to.xy()), ..level };
+    Way { lift: terrain.lift(&way), ..way }
+}
+
+/// Ground that is not level.
 #[derive(Clone, Copy)]
-pub(super) struct Terrain<'a>(Ground<'a>);
+struct Terrain<'a>(Ground<'a>);
 
 /// Where a sole has its heel, what has to bear, and its toes, ahead of the middle of its points, m.
 const SOLE: [f64; 4] = [-0.1, -0.04, 0.06, 0.18];
@@ -27,7 +36,7 @@ const MOMENTS: u32 = 10;
 
 impl<'a> Terrain<'a> {
     /// That under a body; `None` where it is level.
-    pub fn under(present: &Present<'a>) -> Option<Self> {
+    fn under(present: &Present<'a>) -> Option<Self> {
         let &Present { body, model, workspace, .. } = present;
         let ground = Ground { model, kinematics: &workspace.kinematics, shapes: &body.ground };
         (body.ground != body.level).then_some(Self(ground))
@@ -38,27 +47,22 @@ impl<'a> Terrain<'a> {
         SOLE.map(|along| self.0.height(middle + turning::level(Vector2::new(along, 0.0), heading)))
     }
 
-    /// The place near another where a sole finds ground that is not much higher or lower than `height` (m): even where it bears, and nowhere above
-    /// that; the other one itself, at that height, if there is none.
-    pub fn foothold(&self, place: Vector2<f64>, heading: f64, height: f64) -> Vector3<f64> {
-        let mut shifted = SHIFTS.iter().map(|&shift| place + turning::level(Vector2::new(shift, 0.0), heading));
-        let found = shifted.find_map(|place| {
-            let (under, heights) = (self.0.height(place), self.heights(place, heading));
+    /// The place near another where a sole finds ground that is not much higher or lower: even where it bears, and nowhere above that; the
+    /// other one itself if there is none.
+    fn foothold(&self, place: Vector3<f64>, heading: f64) -> Vector3<f64> {
+        let mut shifted = SHIFTS.iter().map(|&shift| place.xy() + turning::level(Vector2::new(shift, 0.0), heading));
+        let found = shifted.find_map(|shifted| {
+            let (under, heights) = (self.0.height(shifted), self.heights(shifted, heading));
             let rises = |part: usize| heights[part] - under;
             let even = [1, 2].into_iter().all(|part| rises(part).abs() < SLOPE * SOLE[part].abs() + EVEN);
             let free = [0, 3].into_iter().all(|part| rises(part) < SLOPE * SOLE[part].abs() + EVEN);
-            (even && free && (under - height).abs() < CLIMB).then(|| place.push(under))
+            (even && free && (under - place.z).abs() < CLIMB).then(|| shifted.push(under))
         });
-        found.unwrap_or_else(|| place.push(height))
-    }
-
-    /// The upward normal of the ground.
-    pub fn normal(&self, place: Vector2<f64>) -> Vector3<f64> {
-        self.0.normal(place)
+        found.unwrap_or(place)
     }
 
     /// By how much more than usual a foot has to be lifted on its way, m. Its sole is tilted as the ground is where it lands.
-    pub fn lift(&self, way: &Way) -> f64 {
+    fn lift(&self, way: &Way) -> f64 {
         let tilt = SOLE.map(|along| {
             let part = turning::level(Vector2::new(along, 0.0), way.heading);
             -part.dot(&way.normal.xy()) / way.normal.z.at_least(0.5)
@@ -76,7 +80,6 @@ impl<'a> Terrain<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::step::Placed;
     use super::*;
     use msk_physics::model::Model;
     use msk_physics::{State, Workspace, kinematics};
@@ -96,7 +99,7 @@ mod tests {
     }
 
     fn foothold(x: f64) -> Vector3<f64> {
-        on(|terrain| terrain.foothold(Vector2::new(x, 0.0), 0.0, 0.0))
+        on(|terrain| terrain.foothold(Vector3::new(x, 0.0, 0.0), 0.0))
     }
 
     #[test]
@@ -124,7 +127,7 @@ mod tests {
                     height: 0.0,
                 };
                 let to = Vector2::new(to, 0.0);
-                let (normal, to) = (terrain.normal(to), to.push(terrain.0.height(to)));
+                let (normal, to) = (terrain.0.normal(to), to.push(terrain.0.height(to)));
                 terrain.lift(&Way { from, to, heading: 0.0, normal, lift: 0.0 })
             })
         };
