@@ -96,7 +96,9 @@ impl Look<'_> {
         let entries = vec![self.extent.rest; space.size(self.context)];
         let present = Present { context: *self.context, space, entries: &entries, name: "plan/look" };
         let traces = self.imaginer.play(&present, plans, Extent { steps: [self.steps, 0], ..self.extent }, self.stop);
-        let mut worths: Vec<Worth> = traces.unwrap_or_default().iter().map(Worth::of).collect();
+        // Plans keep up a pose that falls late; what a gait is when it falls, they see too late.
+        let enough = if space.walks() { self.steps } else { (KEPT * f64::from(self.steps)) as u32 };
+        let mut worths: Vec<Worth> = traces.unwrap_or_default().iter().map(|trace| Worth::of(trace, enough)).collect();
         let lasting = worths.iter().filter(|worth| worth.lasts).count();
         if LASTING * lasting < worths.len() {
             // One pace among many that fall was lucky.
@@ -110,10 +112,14 @@ impl Look<'_> {
 #[derive(Debug, Clone, Copy, Default, PartialEq, PartialOrd)]
 struct Worth {
     lasts: bool,
-    /// Control steps of what failed.
+    /// Control steps of what does not last.
     steps: u32,
+    /// For each step.
     reward: f64,
 }
+
+/// For which share of the look a pose lasts by itself that lasts under plans.
+const KEPT: f64 = 0.6;
 
 /// Of a gait that can be relied on one in so many paces lasts.
 const LASTING: usize = 2;
@@ -128,7 +134,31 @@ impl Worth {
         (self.lasts, self.steps) == (other.lasts, other.steps) && near
     }
 
-    fn of(trace: &Trace) -> Self {
-        Self { lasts: !trace.failed, steps: if trace.failed { trace.steps } else { 0 }, reward: trace.rewards[0] }
+    /// Of a trace that lasts if it does not fail within so many control steps.
+    fn of(trace: &Trace, enough: u32) -> Self {
+        let lasts = !trace.failed || trace.steps > enough;
+        let reward = trace.rewards[0] / f64::from(trace.steps.max(1));
+        Self { lasts, steps: if lasts { 0 } else { trace.steps }, reward }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn worth(failed: bool, steps: u32, reward: f64) -> Worth {
+        Worth::of(&Trace { failed, steps, rewards: [reward, 0.0], ..Trace::default() }, 60)
+    }
+
+    #[test]
+    fn what_lasts_is_worth_more_than_what_earns_more_and_falls() {
+        assert!(worth(false, 100, 10.0) > worth(true, 50, 100.0));
+        assert!(worth(true, 50, 1.0) > worth(true, 40, 100.0));
+    }
+
+    #[test]
+    fn what_falls_late_lasts_and_is_worth_what_it_earns_in_a_step() {
+        assert!(worth(true, 80, 100.0) > worth(false, 100, 110.0));
+        assert!(worth(true, 60, 100.0) < worth(false, 100, 110.0));
     }
 }

@@ -189,7 +189,7 @@ impl Planning {
 }
 
 /// By which share of the reward in sight another pace has to be better than the present one.
-const STAY: f64 = 0.02;
+const STAY: f64 = 0.1;
 
 /// Control steps that come nearest to a time, s.
 fn steps(time: f64, frequency: f64) -> u32 {

@@ -175,9 +175,7 @@ fn paces(space: &ActionSpace) -> Range<usize> {
 fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace, Vec<f64>), String> {
     let range = targets.joint_range.at_least(targets.arm_range);
     let walks = targets.along == Along::Gait;
-    // What moves the body of a gait disturbs it: joints are moved only where they are named.
-    let usual = if walks { &[] } else { &USUAL[..] };
-    let joints = if range > 0.0 { joints(context.body, &targets.joints, usual)? } else { Vec::new() };
+    let joints = if range > 0.0 { joints(context.body, &targets.joints, walks)? } else { Vec::new() };
     let arms: Vec<usize> = ARMS.iter().filter_map(|name| group(context.body, name)).flatten().collect();
     let own_range = |joint: &usize| if arms.contains(joint) { targets.arm_range } else { targets.joint_range };
     let shares = joints.iter().map(|joint| own_range(joint) / range).collect();
@@ -217,17 +215,19 @@ fn demonstrated<'a>(context: &PolicyContext<'a>) -> Option<&'a Take> {
 }
 
 /// The independent hinges that names of joints and of groups stand for, in the body's order; without names those of the usual groups; of a body
-/// without any of these, all that it has.
-fn joints(body: &Body, names: &[String], usual: &[&str]) -> Result<Vec<usize>, String> {
+/// without any of these that does not walk, all that it has.
+fn joints(body: &Body, names: &[String], walks: bool) -> Result<Vec<usize>, String> {
     let is_hinge = |index: &usize| {
         let joint = &body.joints[*index];
         joint.independent && !joint.of_scene && joint.kind == msk_physics::model::JointKind::Hinge
     };
     let hinges = || (0..body.joints.len()).filter(is_hinge);
     if names.is_empty() {
+        // What moves the legs or the arms of a gait disturbs it: they are moved only where they are named.
+        let usual = if walks { &USUAL_OF_GAITS[..] } else { &USUAL[..] };
         let usual: Vec<usize> = usual.iter().filter_map(|name| group(body, name)).flatten().collect();
         let found: Vec<usize> = hinges().filter(|index| usual.contains(index)).collect();
-        return Ok(if found.is_empty() && !usual.is_empty() { hinges().collect() } else { found });
+        return Ok(if found.is_empty() && !walks { hinges().collect() } else { found });
     }
     let mut chosen = Vec::new();
     for name in names {
@@ -250,6 +250,9 @@ const ARMS: [&str; 2] = ["shoulders", "elbows"];
 
 /// What decides how a body with legs and arms stands and moves; fingers and wrists follow.
 const USUAL: [&str; 4] = ["legs", "lumbar", "shoulders", "elbows"];
+
+/// What a body bends while it walks.
+const USUAL_OF_GAITS: [&str; 1] = ["lumbar"];
 
 fn of_joints(group: &Group) -> bool {
     group.kind == GroupKind::Joints
