@@ -3,10 +3,10 @@
 use super::{
     Constraints, CrossCoupling, RowKind,
     cone::Cone,
-    impedance::SpringDamper,
+    impedance::{Spring, SpringDamper},
     jacobian::Shape,
     rows::{ONE_WAY, Place, Rows},
-    spring,
+    shortest_time_constant,
 };
 use crate::{
     Workspace,
@@ -51,7 +51,7 @@ impl Constraints {
             let place = Place {
                 position: contact.distance,
                 margin: candidate.margin,
-                spring: spring(model, &candidate.softness, violation),
+                spring: Spring::new(&candidate.softness, shortest_time_constant(model)).at(violation),
                 bounds: ONE_WAY,
             };
             let kind = RowKind::Contact(index);
@@ -137,7 +137,8 @@ fn add_axes(
     rows.push(kind, Place { bounds, ..place }, candidate.inverse_weight[0]);
     let own = candidate.friction_reference != [0.0; 2];
     let reference = if own { candidate.friction_reference } else { candidate.softness.reference };
-    let damping = spring(model, &SolverParameters { reference, ..candidate.softness }, 0.0).damping;
+    let softness = SolverParameters { reference, ..candidate.softness };
+    let damping = Spring::new(&softness, shortest_time_constant(model)).damping;
     let spring = SpringDamper { stiffness: 0.0, damping, ..place.spring };
     for _ in 1..candidate.dimension {
         rows.push(kind, Place { position: 0.0, margin: 0.0, spring, bounds }, candidate.inverse_weight[0]);

@@ -81,9 +81,9 @@ pub(super) struct Place {
 }
 
 /// Forces of a constraint that pulls both ways.
-pub(super) const BOTH_WAYS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+pub(crate) const BOTH_WAYS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 /// Forces of a constraint that only pushes.
-pub(super) const ONE_WAY: [f64; 2] = [0.0, f64::INFINITY];
+pub(crate) const ONE_WAY: [f64; 2] = [0.0, f64::INFINITY];
 
 impl Rows {
     /// Number of rows.

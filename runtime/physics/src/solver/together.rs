@@ -6,7 +6,10 @@
 //! A lane that meets what is rare (a pivot that is not positive, a direction spoilt by rounding, numbers that are not finite) is left
 //! out, and its episode is solved alone, from the start.
 
-use super::{PathPattern, outer, slots::Slots};
+use super::{
+    PathPattern, outer,
+    slots::{Slots, Source},
+};
 use crate::{
     constrained::ConstraintState,
     constraint::{CrossCoupling, jacobian::MOST_BASE_ROWS},
@@ -79,9 +82,19 @@ impl<T: Real> Together<T> {
         }
     }
 
-    /// Gathers the constraints of the lanes that take part; whether they can be solved together.
-    pub fn gather(&mut self, model: &Model, lanes: &[ConstraintState], takes_part: &[bool]) -> bool {
-        self.slots.gather(lanes, takes_part);
+    /// Builds the rows of all lanes.
+    #[inline(always)]
+    pub fn build(&mut self, source: &Source<'_, T>) {
+        self.slots.build(source);
+    }
+
+    /// The lanes that have rows.
+    pub fn occupied(&self) -> T::Mask {
+        self.slots.occupied
+    }
+
+    /// Makes room for what couples chains; whether the lanes can be solved together.
+    pub fn prepare(&mut self, model: &Model, lanes: &[ConstraintState]) -> bool {
         if self.slots.cross_couplings.len() > MOST_CROSS_COUPLINGS {
             return false;
         }
@@ -97,14 +110,18 @@ impl<T: Real> Together<T> {
         true
     }
 
-    /// Writes what was found in a lane to its constraints and returns iterations and gradient.
+    /// Notes iterations and gradient of a lane.
     pub fn scatter(&self, own: &mut ConstraintState, lane: usize) {
-        self.slots.scatter_forces(&mut own.constraints, lane);
         own.newton.iterations = self.iterations[lane];
         own.newton.gradient_norm = self.gradient_norm.lane(lane);
     }
 
-    /// Solves for the lanes of the mask, after [`gather`](Self::gather). Returns the lanes that have been solved.
+    /// Writes the forces of a lane to its rows, all of which it has.
+    pub fn scatter_forces(&mut self, own: &mut ConstraintState, lane: usize) {
+        self.slots.scatter_forces(&mut own.constraints, lane);
+    }
+
+    /// Solves for the lanes of the mask, after [`prepare`](Self::prepare). Returns the lanes that have been solved.
     #[inline(always)]
     pub fn solve(&mut self, model: &Model, problem: &Problem<'_, T>, wanted: T::Mask) -> T::Mask {
         let rows = self.slots.rows.len();
