@@ -73,7 +73,8 @@ pub fn rows<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<
     });
     if let Some(own) = workspace.lanes.first() {
         let living = T::mask(|lane| workspace.lives(lane));
-        let source = Source { model, plan: &own.constraints.fixed, state, lanes: &workspace.lanes, living };
+        let (plan, pairs) = (&*own.constraints.fixed, &*own.constraints.plan);
+        let source = Source { model, plan, pairs, state, kinematics: &workspace.kinematics, lanes: &workspace.lanes, living };
         workspace.arch.dispatch(BuildTogether { solver: &mut solver, source });
     }
     workspace.together = Some(solver);

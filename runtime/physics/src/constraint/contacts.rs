@@ -11,6 +11,7 @@ use super::{
 use crate::{
     Workspace,
     collision::{CollisionPair, Contact},
+    kinematics::Kinematics,
     model::{self, Model, SolverParameters},
     scalar::Real,
     spatial::lane_of,
@@ -24,7 +25,7 @@ impl Constraints {
         let kinematics = &workspace.kinematics;
         for (index, contact) in self.contacts.iter().enumerate() {
             let candidate = &self.plan.candidates[contact.candidate];
-            if contact.distance >= candidate.margin || candidate.columns.is_empty() {
+            if !acts(candidate, contact) {
                 continue;
             }
             let friction = candidate.friction_with(|geom| state.friction[geom].lane(lane));
@@ -55,7 +56,7 @@ impl Constraints {
                 bounds: ONE_WAY,
             };
             let kind = RowKind::Contact(index);
-            if let Some(drift) = drift(model, state, workspace, lane, (candidate, contact)) {
+            if let Some(drift) = drift(model, state, kinematics, lane, (candidate, contact)) {
                 let first = self.rows.len();
                 each_row(shape, candidate.dimension, &friction, &drift, |row, value| self.drift.push((first + row, value)));
             }
@@ -68,19 +69,24 @@ impl Constraints {
     }
 }
 
+/// Whether a contact has rows.
+#[inline(always)]
+pub(crate) fn acts(candidate: &CollisionPair, contact: &Contact) -> bool {
+    contact.distance < candidate.margin && !candidate.columns.is_empty()
+}
+
 /// How fast the second body of a contact is moved from outside against the first, in the contact's frame: along, then about its axes.
 /// `None` where neither is.
-fn drift<T: Real>(
+pub(crate) fn drift<T: Real>(
     model: &Model,
     state: &State<T>,
-    workspace: &Workspace<T>,
+    kinematics: &Kinematics<T>,
     lane: usize,
     (candidate, contact): (&CollisionPair, &Contact),
 ) -> Option<[f64; 6]> {
     if state.mocap_velocity.is_empty() {
         return None;
     }
-    let kinematics = &workspace.kinematics;
     let mut moves = false;
     let [first, second] = candidate.bodies.map(|body| {
         let root = model.bodies.root[body];

@@ -20,7 +20,7 @@
 //! SIMD lane is read through [`Real::lane`]. What is common to all lanes is computed in the stages before and after.
 
 pub(crate) mod cone;
-mod contacts;
+pub(crate) mod contacts;
 pub(crate) mod equalities;
 pub(crate) mod impedance;
 pub(crate) mod jacobian;
@@ -54,8 +54,8 @@ pub(crate) enum Extent {
     /// All.
     #[default]
     All,
-    /// Those that differ in shape between episodes. Couplings of joints, friction of dofs and limits of hinges and slides are made in
-    /// all lanes at once, for the solver of all lanes.
+    /// Those that are not made in all lanes at once for the solver of all lanes: equalities but couplings of joints, friction and limits of
+    /// tendons, limits of balls.
     Unshared,
 }
 
@@ -165,6 +165,9 @@ impl Constraints {
         self.cones.clear();
         self.cross_couplings.clear();
         self.drift.clear();
+        if extent == Extent::Unshared && !self.fixed.some_unshared {
+            return;
+        }
         let switches = model.options.switches;
         if switches.equality {
             self.add_equalities(model, state, workspace, lane, extent);
@@ -179,7 +182,9 @@ impl Constraints {
             self.add_joint_limits(model, extent, |address| state.position[address].lane(lane));
             self.add_tendon_limits(model, workspace, lane);
         }
-        self.add_contacts(model, state, workspace, lane);
+        if extent == Extent::All {
+            self.add_contacts(model, state, workspace, lane);
+        }
         if self.rows.is_empty() {
             return;
         }
@@ -210,6 +215,6 @@ impl Constraints {
 }
 
 /// The shortest time constant of a spring, s.
-fn shortest_time_constant(model: &Model) -> f64 {
+pub(crate) fn shortest_time_constant(model: &Model) -> f64 {
     if model.options.switches.safe_reference { 2.0 * model.options.timestep } else { 0.0 }
 }

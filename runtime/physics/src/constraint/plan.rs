@@ -46,6 +46,8 @@ pub(crate) struct RowPlan {
     pub limited_joints: Vec<Soft>,
     /// Tendons with limits.
     pub limited_tendons: Vec<Soft>,
+    /// Whether the model has rows, beside those of contacts, that are not made in all lanes at once.
+    pub some_unshared: bool,
 }
 
 impl RowPlan {
@@ -68,6 +70,10 @@ impl RowPlan {
             limited_tendons: limited_tendons.map(|tendon| soft(tendon, &tendons.limit_softness[tendon])).collect(),
             ..Self::default()
         };
+        plan.some_unshared = !plan.rubbing_tendons.is_empty()
+            || !plan.limited_tendons.is_empty()
+            || plan.limited_joints.iter().any(|soft| joints.kind[soft.element] == JointKind::Ball)
+            || !model.equalities.kind.iter().all(|kind| matches!(kind, Equality::Joint(_)));
         let coupled = model.equalities.kind.iter().any(|kind| matches!(kind, Equality::Tendon(_)));
         // Most models have no rows of tendons and need no paths here.
         let needed = coupled || !plan.rubbing_tendons.is_empty() || !plan.limited_tendons.is_empty();

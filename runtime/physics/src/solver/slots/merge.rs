@@ -2,11 +2,9 @@
 
 use super::{Row, Slot, Slots};
 use crate::{
+    collision,
     constrained::ConstraintState,
-    constraint::{
-        Constraints, RowKind,
-        jacobian::{Block, Shape},
-    },
+    constraint::{Constraints, RowKind, contacts::acts, jacobian::Block},
     scalar::Real,
 };
 
@@ -35,54 +33,82 @@ pub(super) const fn key(kind: RowKind, upper: bool) -> Key {
 pub(super) fn keys_of(constraints: &Constraints, keys: &mut Vec<Key>) {
     for block in &constraints.jacobian.blocks {
         keys.push(match constraints.rows.kind[block.rows.start] {
-            RowKind::Contact(index) => {
-                let first = key(RowKind::Contact(constraints.contacts[index].candidate), false);
-                // Contacts of one pair follow each other.
-                keys.last().map_or(first, |last| if last >> 16 == first >> 16 { last + 1 } else { first })
-            }
+            RowKind::Contact(index) => contact_key(constraints.contacts[index].candidate, keys.last().copied()),
             kind => key(kind, block.upper),
         });
     }
 }
 
-/// How far each lane's blocks have been merged.
+/// The key of the next contact with rows, after the last key.
+fn contact_key(candidate: usize, last: Option<Key>) -> Key {
+    let first = key(RowKind::Contact(candidate), false);
+    // Contacts of one pair follow each other.
+    last.filter(|last| last >> 16 == first >> 16).map_or(first, |last| last + 1)
+}
+
+/// The candidate of a contact, from its key.
+pub(super) const fn candidate_of(key: Key) -> usize {
+    (key << 8 >> 24) as usize
+}
+
+/// How far each lane's blocks and contacts have been merged.
 #[derive(Debug, Clone)]
 pub(super) struct Merge {
-    /// The keys of each lane's blocks, ascending, and [`END`].
-    keys: Vec<Vec<Key>>,
-    /// The next block of each lane.
-    place: Vec<usize>,
-    /// Its key.
+    /// The keys of each lane, ascending, and [`END`]; with each the index of its block or contact.
+    keys: Vec<Vec<(Key, usize)>>,
+    /// How many keys of each lane have been taken.
+    taken: Vec<usize>,
+    /// The next key of each lane.
     next: Vec<Key>,
+    scratch: Vec<Key>,
 }
 
 impl Merge {
     pub fn new(lanes: usize) -> Self {
-        Self { keys: vec![Vec::new(); lanes], place: vec![0; lanes], next: vec![END; lanes] }
+        Self { keys: vec![Vec::new(); lanes], taken: vec![0; lanes], next: vec![END; lanes], scratch: Vec::new() }
     }
 
-    /// Begins with the blocks of the lanes for which `lives` holds.
-    pub fn begin(&mut self, lanes: &[ConstraintState], lives: impl Fn(usize) -> bool) {
+    /// Begins with what the lanes have for which `lives` holds.
+    pub fn begin(&mut self, pairs: &collision::Plan, lanes: &[ConstraintState], lives: impl Fn(usize) -> bool) {
         for (lane, own) in lanes.iter().enumerate().take(self.keys.len()) {
             let keys = &mut self.keys[lane];
             keys.clear();
             if lives(lane) {
-                keys_of(&own.constraints, keys);
+                self.scratch.clear();
+                keys_of(&own.constraints, &mut self.scratch);
+                keys.extend(self.scratch.iter().enumerate().map(|(block, key)| (*key, block)));
+                for (index, contact) in own.constraints.contacts.iter().enumerate() {
+                    if acts(&pairs.candidates[contact.candidate], contact) {
+                        keys.push((contact_key(contact.candidate, keys.last().map(|(key, _)| *key)), index));
+                    }
+                }
             }
-            keys.push(END);
-            self.place[lane] = 0;
-            self.next[lane] = keys[0];
+            keys.push((END, 0));
+            self.taken[lane] = 0;
+            self.next[lane] = keys[0].0;
         }
     }
 
     /// The least of the next keys.
     #[inline(always)]
-    fn least(&self) -> Key {
+    pub fn least(&self) -> Key {
         let mut least = END;
         for &key in &self.next {
             least = if key < least { key } else { least };
         }
         least
+    }
+
+    /// Takes a key of a lane, if it is the next: the index of its block or contact.
+    #[inline(always)]
+    pub fn take(&mut self, lane: usize, key: Key) -> Option<usize> {
+        if self.next[lane] != key {
+            return None;
+        }
+        let taken = self.taken[lane];
+        self.taken[lane] = taken + 1;
+        self.next[lane] = self.keys[lane][taken + 1].0;
+        Some(self.keys[lane][taken].1)
     }
 }
 
@@ -104,44 +130,30 @@ impl<T: Real> Slots<T> {
     fn merge_one(&mut self, key: Key, lanes: &[ConstraintState]) {
         let slot = self.slots.len();
         for (lane, own) in lanes.iter().enumerate().take(T::LANES) {
-            if self.merge.next[lane] != key {
-                continue;
-            }
-            let place = self.merge.place[lane];
-            let block = &own.constraints.jacobian.blocks[place];
+            let Some(block) = self.merge.take(lane, key) else { continue };
+            let block = &own.constraints.jacobian.blocks[block];
             if self.slots.len() == slot {
                 self.open(key, &own.constraints, block);
             }
             self.fill(&own.constraints, block, slot, lane);
-            self.merge.place[lane] = place + 1;
-            self.merge.next[lane] = self.merge.keys[lane][place + 1];
         }
     }
 
-    /// Appends a slot like `block`, empty in every lane.
+    /// Appends a slot like `block`, of base rows that are rows, empty in every lane.
     fn open(&mut self, key: Key, constraints: &Constraints, block: &Block) {
-        let (columns, row, values, zero) = (self.columns.len(), self.rows.len(), self.values.len(), T::splat(0.0));
+        let (columns, row, values) = (self.columns.len(), self.rows.len(), self.values.len());
         self.columns.extend_from_slice(constraints.jacobian.columns_of(block));
         let width = self.columns.len() - columns;
-        let rows = row..row + block.rows.len();
-        self.values.resize(values + width * block.dimension, zero);
-        self.rows.resize(rows.end, Row::empty());
-        let (frictions, pyramid) = (self.frictions.len(), block.shape == Shape::Pyramid);
-        if pyramid {
-            self.frictions.resize(frictions + block.dimension - 1, zero);
-        }
-        let columns = columns..self.columns.len();
-        self.slots.push(Slot { rows, columns, values, dimension: block.dimension, pyramid, frictions });
+        self.values.resize(values + width * block.dimension, T::splat(0.0));
+        self.rows.resize(row + block.dimension, Row::empty());
+        let (rows, columns) = (row..self.rows.len(), columns..self.columns.len());
+        self.slots.push(Slot { rows, columns, values, dimension: block.dimension, pyramid: false, frictions: 0 });
         self.keys.push(key);
     }
 
     /// Writes a lane's block into its slot.
     fn fill(&mut self, constraints: &Constraints, block: &Block, slot: usize, lane: usize) {
-        let Slot { rows, columns, values, dimension, pyramid, frictions } = &self.slots[slot];
-        if *pyramid {
-            let to = &mut self.frictions[*frictions..][..dimension - 1];
-            to.iter_mut().zip(block.friction).for_each(|(to, from)| to.set_lane(lane, from));
-        }
+        let Slot { rows, columns, values, dimension, .. } = &self.slots[slot];
         let width = columns.len();
         for row in 0..*dimension {
             let to = &mut self.values[*values + row * width..][..width];

@@ -2,9 +2,10 @@
 //!
 //! Slots stand in the order that the model gives: equalities, friction losses, limits, contacts by pair and then as found. A lane
 //! without a block has weight zero in its slot, so that its sums take in zeros and nothing else: its bits do not depend on which
-//! slots its neighbours need. What has one shape in all lanes is computed in all of them at once (`shared`); what differs in shape, such
-//! as contacts, each lane builds alone, and it is merged (`merge`).
+//! slots its neighbours need. Most rows are computed in all lanes at once (`shared`, `contacts`); what is rare each lane builds alone, and it
+//! is merged (`merge`).
 
+mod contacts;
 mod merge;
 mod shared;
 

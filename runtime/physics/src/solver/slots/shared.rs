@@ -1,18 +1,20 @@
-//! Rows of one shape in all lanes, computed in all of them at once: couplings of joints, friction of dofs, limits of hinges and slides.
+//! Rows that are computed in all lanes at once: couplings of joints, friction of dofs, limits of hinges and slides.
 //! Operation by operation what [`Constraints::build`](crate::constraint::Constraints::build) computes in one lane.
 
 use super::{
     Row, Slot, Slots,
-    merge::{END, Key, key},
+    merge::{Key, key},
 };
 use crate::{
+    collision,
     constrained::ConstraintState,
     constraint::{
         RowKind, RowPlan, Soft,
         equalities::polynomial,
         impedance::Spring,
-        rows::{BOTH_WAYS, ONE_WAY},
+        rows::{BOTH_WAYS, ONE_WAY, regularization},
     },
+    kinematics::Kinematics,
     model::{Equality, JointKind, Model},
     scalar::Real,
     state::State,
@@ -22,8 +24,10 @@ use crate::{
 pub(crate) struct Source<'a, T: Real> {
     pub model: &'a Model,
     pub plan: &'a RowPlan,
+    pub pairs: &'a collision::Plan,
     pub state: &'a State<T>,
-    /// The rows that each lane has built alone.
+    pub kinematics: &'a Kinematics<T>,
+    /// The contacts of each lane, and the rows that it has built alone.
     pub lanes: &'a [ConstraintState],
     /// The lanes that are stepped.
     pub living: T::Mask,
@@ -47,8 +51,7 @@ impl<T: Real> Slots<T> {
         for (lane, own) in source.lanes.iter().enumerate().filter(|(lane, _)| T::holds(source.living, *lane)) {
             self.note_lane(own, lane);
         }
-        self.cross_couplings.sort_unstable();
-        self.merge.begin(source.lanes, |lane| T::holds(source.living, lane));
+        self.merge.begin(source.pairs, source.lanes, |lane| T::holds(source.living, lane));
         let switches = source.model.options.switches;
         if switches.equality {
             self.add_equalities(source);
@@ -59,7 +62,9 @@ impl<T: Real> Slots<T> {
         if switches.limit {
             self.add_joint_limits(source);
         }
-        self.merge_until(END, source.lanes);
+        self.merge_until(key(RowKind::Contact(0), false), source.lanes);
+        self.add_contacts(source);
+        self.cross_couplings.sort_unstable();
     }
 
     /// Notes what a lane has built alone.
@@ -165,7 +170,7 @@ impl<T: Real> Slots<T> {
         let Law { spring, approximate, position, margin, bounds: [lower, upper] } = law;
         let depth = *position - T::splat(*margin);
         let impedance = spring.impedance(depth);
-        let regularization = ((one - impedance) / impedance * T::splat(*approximate)).at_least(T::splat(1e-15));
+        let regularization = regularization(impedance, T::splat(*approximate));
         let pull = T::splat(spring.stiffness) * impedance * depth;
         let reference = -T::splat(spring.damping) * velocity - pull;
         self.rows.push(Row {
