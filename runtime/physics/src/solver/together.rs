@@ -7,12 +7,12 @@
 //! out, and its episode is solved alone, from the start.
 
 use super::{
-    PathPattern, outer,
+    PathPattern,
     slots::{Slots, Source},
 };
 use crate::{
     constrained::ConstraintState,
-    constraint::{CrossCoupling, jacobian::MOST_BASE_ROWS},
+    constraint::CrossCoupling,
     fault::valid,
     inertia,
     model::Model,
@@ -308,14 +308,13 @@ impl<T: Real> Together<T> {
             }
         }
         for slot in &slots.slots {
-            let some = active[slot.rows.clone()].iter().any(|weight| T::any(T::or(zero.less(*weight), weight.less(zero))));
-            if !some {
-                continue;
+            let mut some = T::mask(|_| false);
+            for weight in &active[slot.rows.clone()] {
+                some = T::or(some, differ(*weight, zero));
             }
-            let weight = slots.base_weight(slot, active);
-            let base: [&[T]; MOST_BASE_ROWS] =
-                core::array::from_fn(|row| if row < slot.dimension { slots.base_row(slot, row) } else { &[] });
-            outer::add(pattern, fresh, slots.columns_of(slot), &base[..slot.dimension], &weight);
+            if T::any(some) {
+                slots.add_outer(pattern, fresh, slot, active);
+            }
         }
         self.factored.clone_from(&self.active);
     }

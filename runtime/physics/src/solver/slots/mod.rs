@@ -9,8 +9,10 @@ mod contacts;
 mod merge;
 mod shared;
 
+use super::outer::{self, BaseWeight};
 use crate::{
     constraint::{Constraints, CrossCoupling, jacobian::MOST_BASE_ROWS},
+    path_matrix::PathPattern,
     scalar::Real,
 };
 use core::ops::Range;
@@ -180,13 +182,35 @@ impl<T: Real> Slots<T> {
         }
     }
 
+    /// Adds J'WJ of a slot to a matrix, given the second derivative of the cost over each row. Of few rows it is a small W.
+    #[inline(always)]
+    pub fn add_outer(&self, pattern: &PathPattern, matrix: &mut [T], slot: &Slot, weights: &[T]) {
+        match slot.dimension {
+            1 => self.add_outer_of::<1>(pattern, matrix, slot, weights),
+            3 => self.add_outer_of::<3>(pattern, matrix, slot, weights),
+            4 => self.add_outer_of::<4>(pattern, matrix, slot, weights),
+            _ => self.add_outer_of::<MOST_BASE_ROWS>(pattern, matrix, slot, weights),
+        }
+    }
+
+    #[inline(always)]
+    fn add_outer_of<const ROWS: usize>(&self, pattern: &PathPattern, matrix: &mut [T], slot: &Slot, weights: &[T]) {
+        let mut base: [&[T]; ROWS] = [&[]; ROWS];
+        for (row, base) in base.iter_mut().enumerate() {
+            *base = self.base_row(slot, row);
+        }
+        outer::add(pattern, matrix, self.columns_of(slot), &base, &self.base_weight::<ROWS>(slot, weights));
+    }
+
     /// Second derivative of the cost along a slot's base rows, given that of each row.
     #[inline(always)]
-    pub fn base_weight(&self, slot: &Slot, weights: &[T]) -> [[T; MOST_BASE_ROWS]; MOST_BASE_ROWS] {
+    fn base_weight<const ROWS: usize>(&self, slot: &Slot, weights: &[T]) -> BaseWeight<T, ROWS> {
         let rows = &weights[slot.rows.clone()];
-        let mut base = [[T::splat(0.0); MOST_BASE_ROWS]; MOST_BASE_ROWS];
+        let mut base = [[T::splat(0.0); ROWS]; ROWS];
         if !slot.pyramid {
-            rows.iter().enumerate().for_each(|(row, weight)| base[row][row] = *weight);
+            for (row, weight) in rows.iter().enumerate() {
+                base[row][row] = *weight;
+            }
             return base;
         }
         let frictions = self.frictions_of(slot);
