@@ -82,12 +82,7 @@ pub fn rows<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<
 
 /// Gives lanes that have been solved together all of their rows, and the forces of these and of their contacts: of those for which
 /// `wanted` holds. Needs what [`rows`] and [`solve`] have left.
-pub(crate) fn complete<T: Real>(
-    model: &Model,
-    state: &State<T>,
-    workspace: &mut Workspace<T>,
-    wanted: impl Fn(usize) -> bool,
-) {
+pub(crate) fn complete<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>, wanted: impl Fn(usize) -> bool) {
     let Some(mut solver) = workspace.together.take() else { return };
     each_lane(workspace, |workspace, own, lane| {
         if wanted(lane) && own.constraints.extent == Extent::Unshared {

@@ -16,8 +16,9 @@
 //!
 //! What depends on the model alone (which dofs an equality or tendon couples) is decided once, in `plan`.
 //!
-//! The set of rows differs between episodes, so this stage and the solver work on one episode in `f64`: an episode in a
-//! SIMD lane is read through [`Real::lane`]. What is common to all lanes is computed in the stages before and after.
+//! The set of rows differs between episodes, so this stage works on one episode in `f64`: an episode in a SIMD lane is read through
+//! [`Real::lane`]. For the solver of all lanes most rows are made in all of them at once instead (`solver::slots`), and an episode gets
+//! rows of its own when it leaves its lane. What is common to all lanes is computed in the stages before and after.
 
 pub(crate) mod cone;
 pub(crate) mod contacts;

@@ -11,12 +11,7 @@ use super::{
     slots::{Slots, Source},
 };
 use crate::{
-    constrained::ConstraintState,
-    constraint::CrossCoupling,
-    fault::valid,
-    inertia,
-    model::Model,
-    scalar::Real,
+    constrained::ConstraintState, constraint::CrossCoupling, fault::valid, inertia, model::Model, scalar::Real,
     tree_matrix::Layout,
 };
 use std::sync::Arc;

@@ -129,13 +129,7 @@ impl<T: Real> Slots<T> {
 
     /// Appends the rows of a contact: two edges of its pyramid for each direction of friction, or the normal alone.
     #[inline(always)]
-    fn add_laws(
-        &mut self,
-        source: &Source<'_, T>,
-        candidate: &CollisionPair,
-        touch: &Touch<T>,
-        speed: &[T; MOST_BASE_ROWS],
-    ) {
+    fn add_laws(&mut self, source: &Source<'_, T>, candidate: &CollisionPair, touch: &Touch<T>, speed: &[T; MOST_BASE_ROWS]) {
         let spring = Spring::new(&candidate.softness, shortest_time_constant(source.model));
         let depth = touch.distance - T::splat(candidate.margin);
         let impedance = spring.impedance(depth);
