@@ -3,7 +3,7 @@
 use super::{
     Plan, Workspace,
     collision::NearPairs,
-    constraint::Constraints,
+    constraint::{Constraints, Extent},
     fault::{Fault, Quantity, is_valid},
     kinematics::Kinematics,
     rotation::MINIMUM,
@@ -11,6 +11,7 @@ use super::{
     solver::{
         Newton, Problem,
         no_slip::{NoSlip, Unconstrained},
+        slots::Source,
         together::{self, Together},
     },
     state::State,
@@ -64,7 +65,33 @@ pub fn contacts<T: Real>(model: &Model, workspace: &mut Workspace<T>) {
 
 /// Builds the constraint rows of all lanes. Needs contacts, velocities and the bias of forces.
 pub fn rows<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) {
-    each_lane(workspace, |workspace, own, lane| own.constraints.build(model, state, workspace, lane));
+    let Some(mut solver) = workspace.together.take() else {
+        return each_lane(workspace, |workspace, own, lane| own.constraints.build(model, state, workspace, lane));
+    };
+    each_lane(workspace, |workspace, own, lane| {
+        own.constraints.build_extent(model, state, workspace, lane, Extent::Unshared);
+    });
+    if let Some(own) = workspace.lanes.first() {
+        let living = T::mask(|lane| workspace.lives(lane));
+        let (plan, pairs) = (&*own.constraints.fixed, &*own.constraints.plan);
+        let source = Source { model, plan, pairs, state, kinematics: &workspace.kinematics, lanes: &workspace.lanes, living };
+        workspace.arch.dispatch(BuildTogether { solver: &mut solver, source });
+    }
+    workspace.together = Some(solver);
+}
+
+/// Gives lanes that have been solved together all of their rows, and the forces of these and of their contacts: of those for which
+/// `wanted` holds. Needs what [`rows`] and [`solve`] have left.
+pub(crate) fn complete<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>, wanted: impl Fn(usize) -> bool) {
+    let Some(mut solver) = workspace.together.take() else { return };
+    each_lane(workspace, |workspace, own, lane| {
+        if wanted(lane) && own.constraints.extent == Extent::Unshared {
+            own.constraints.build(model, state, workspace, lane);
+            solver.scatter_forces(own, lane);
+            own.constraints.share_forces();
+        }
+    });
+    workspace.together = Some(solver);
 }
 
 /// Solves for the constrained accelerations of all lanes and notes their faults: a Hessian without a positive pivot, an
@@ -73,7 +100,7 @@ pub fn solve<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace
     // Where rows exist Newton's method starts from the last acceleration: only a free body and the second pass over friction need the
     // factor of the mass matrix.
     let second = model.options.no_slip_iterations > 0;
-    let free = second || workspace.lanes.iter().any(|own| own.constraints.rows.is_empty());
+    let free = second || (0..T::LANES).any(|lane| workspace.lives(lane) && !has_rows(workspace, lane));
     if free {
         unconstrained(model, state, workspace);
     }
@@ -83,6 +110,9 @@ pub fn solve<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace
         let ConstraintState { constraints, newton, no_slip, gathered } = own;
         if together[lane] {
             return;
+        }
+        if constraints.extent == Extent::Unshared {
+            constraints.build(model, state, workspace, lane);
         }
         if constraints.rows.is_empty() {
             gather(&mut gathered.smooth, &workspace.forces.smooth_acceleration, lane);
@@ -128,26 +158,30 @@ pub fn solve<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace
 
 /// Solves the lanes that have rows together, as far as that goes, and returns which have been.
 fn solve_together<T: Real>(model: &Model, state: &State<T>, workspace: &mut Workspace<T>) -> [bool; MOST_LANES] {
-    let takes_part: [bool; MOST_LANES] = core::array::from_fn(|lane| {
-        lane < T::LANES && workspace.lives(lane) && !workspace.lanes[lane].constraints.rows.is_empty()
-    });
     let Some(mut solver) = workspace.together.take() else { return [false; MOST_LANES] };
+    let wanted = T::and(solver.occupied(), T::mask(|lane| workspace.lives(lane)));
     let mut solved = [false; MOST_LANES];
-    if takes_part.contains(&true) && solver.gather(model, &workspace.lanes, &takes_part) {
+    if T::any(wanted) && solver.prepare(model, &workspace.lanes) {
         let problem =
             together::Problem { mass: &workspace.inertia.matrix, force: &workspace.forces.smooth, warm_start: &state.warm_start };
-        let wanted = T::mask(|lane| takes_part[lane]);
         let mask = workspace.arch.dispatch(SolveTogether { solver: &mut solver, model, problem, wanted });
         solved = core::array::from_fn(|lane| lane < T::LANES && T::holds(mask, lane));
         workspace.acceleration.copy_from_slice(&solver.acceleration);
         workspace.constraint_force.copy_from_slice(&solver.constraint_force);
         for (lane, own) in workspace.lanes.iter_mut().enumerate().filter(|(lane, _)| solved[*lane]) {
             solver.scatter(own, lane);
-            own.constraints.share_forces();
         }
     }
     workspace.together = Some(solver);
     solved
+}
+
+/// Whether anything is constrained in a lane.
+fn has_rows<T: Real>(workspace: &Workspace<T>, lane: usize) -> bool {
+    match &workspace.together {
+        Some(solver) => T::holds(solver.occupied(), lane),
+        None => !workspace.lanes[lane].constraints.rows.is_empty(),
+    }
 }
 
 /// Lanes that a number may have at most.
@@ -217,6 +251,21 @@ impl WithSimd for Solve<'_> {
             newton.take_forces(model, &unconstrained, constraints);
         }
         Ok(())
+    }
+}
+
+/// The rows of all lanes, compiled for each set of instructions.
+struct BuildTogether<'a, T: Real> {
+    solver: &'a mut Together<T>,
+    source: Source<'a, T>,
+}
+
+impl<T: Real> WithSimd for BuildTogether<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.solver.build(&self.source);
     }
 }
 

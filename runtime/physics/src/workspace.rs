@@ -38,7 +38,8 @@ pub struct Workspace<T: Real> {
     /// The solver of several lanes at once, for constraints whose forces have bounds of their own: not for elliptic cones, nor
     /// where friction has a second pass.
     pub(crate) together: Option<Together<T>>,
-    /// Contacts, constraint rows and solver: one per lane of `T`.
+    /// Contacts, constraint rows and solver: one per lane of `T`. Where lanes are solved together, most of their rows are made in all of
+    /// them at once and are not here.
     pub lanes: Vec<ConstraintState>,
     /// Generalised acceleration, constraints included, `nv` entries (`qacc`): m/s² and rad/s².
     pub acceleration: Vec<T>,

@@ -258,6 +258,11 @@ fn passes_without_steps_have_the_same_bits_and_a_fault_is_that_of_its_episode() 
     let plan = Plan::new(model);
     let mut workspaces: Vec<Workspace<f64>> = states.iter().map(|_| Workspace::of(model, &plan)).collect();
     let mut group = LaneGroup::of(model, &plan);
+    // On the ground, one lower than the other.
+    for (depth, state) in states.iter_mut().skip(5).enumerate() {
+        state.position[2] -= 0.02 * (depth + 1) as f64;
+    }
+    let mut touching = 0;
     // What the lanes held before does not matter, nor does one that holds nothing.
     for empty in [0, 5] {
         let mut pairs = states.iter().zip(&mut workspaces);
@@ -269,11 +274,18 @@ fn passes_without_steps_have_the_same_bits_and_a_fault_is_that_of_its_episode() 
                 let together = &workspaces[lane];
                 assert!(alone.acceleration == together.acceleration && alone.constraint_force == together.constraint_force);
                 assert_eq!(alone.actuation.force, together.actuation.force, "lane {lane}");
-                let rows = |workspace: &Workspace<f64>| workspace.lanes[0].constraints.rows.force.clone();
-                assert_eq!(rows(&alone), rows(together), "lane {lane}");
+                // Rows that the lanes have made together are those that an episode makes alone, with their forces.
+                let rows = |workspace: &Workspace<f64>| workspace.lanes[0].constraints.rows.clone();
+                assert!(!rows(&alone).is_empty() && rows(&alone) == rows(together), "lane {lane}");
+                let pushes = |workspace: &Workspace<f64>| -> Vec<[f64; 6]> {
+                    workspace.lanes[0].constraints.contacts.iter().map(|contact| contact.force).collect()
+                };
+                assert_eq!(pushes(&alone), pushes(together), "lane {lane}");
+                touching += usize::from(pushes(together).iter().any(|push| push[0] > 0.0));
             }
         }
     }
+    assert!(touching > 2, "{touching} touch the ground");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{OneLane, PerLane};
 use crate::{
-    Fault, Instructions, Plan, State, Workspace,
+    Fault, Instructions, Plan, State, Workspace, constrained,
     dispatch::{Stage, run},
     elastic::Fibres,
     integrator,
@@ -231,6 +231,7 @@ impl LaneGroup {
     /// Writes the forward pass of each lane that is asked for over the workspace given, as far as it is wanted.
     fn store(&mut self, mut workspaces: PerLane<&mut Workspace<f64>>, parts: Parts) {
         let from = &mut self.workspace;
+        constrained::complete(&self.model, &self.state, from, |lane| workspaces[lane].is_some());
         for (place, lane) in workspaces.iter_mut().zip(&mut from.lanes) {
             if let Some(own) = place.as_mut().and_then(|workspace| workspace.lanes.first_mut()) {
                 core::mem::swap(own, lane);

@@ -52,14 +52,17 @@ pub enum Sliding {
 
 impl CollisionPair {
     /// The friction of its contacts where geoms have these sliding frictions.
-    pub(in super::super) fn friction_with(&self, sliding: impl Fn(usize) -> f64) -> [f64; 5] {
-        let [.., torsional, rolling, _] = self.friction;
+    #[inline(always)]
+    pub(in super::super) fn friction_with<T: Real>(&self, sliding: impl Fn(usize) -> T) -> [T; 5] {
+        let [first, second, torsional, rolling, last] = self.friction;
+        let [first, second, torsional, rolling, last] =
+            [T::splat(first), T::splat(second), T::splat(torsional), T::splat(rolling), T::splat(last)];
         let sliding = match self.sliding {
-            Sliding::Pair => return self.friction,
+            Sliding::Pair => return [first, second, torsional, rolling, last],
             Sliding::Geom(geom) => sliding(geom),
             Sliding::Larger([a, b]) => sliding(a).at_least(sliding(b)),
         };
-        let sliding = sliding.at_least(SMALLEST_FRICTION);
+        let sliding = sliding.at_least(T::splat(SMALLEST_FRICTION));
         [sliding, sliding, torsional, rolling, rolling]
     }
 }

@@ -3,14 +3,15 @@
 use super::{
     Constraints, CrossCoupling, RowKind,
     cone::Cone,
-    impedance::SpringDamper,
+    impedance::{Spring, SpringDamper},
     jacobian::Shape,
     rows::{ONE_WAY, Place, Rows},
-    spring,
+    shortest_time_constant,
 };
 use crate::{
     Workspace,
     collision::{CollisionPair, Contact},
+    kinematics::Kinematics,
     model::{self, Model, SolverParameters},
     scalar::Real,
     spatial::lane_of,
@@ -24,7 +25,7 @@ impl Constraints {
         let kinematics = &workspace.kinematics;
         for (index, contact) in self.contacts.iter().enumerate() {
             let candidate = &self.plan.candidates[contact.candidate];
-            if contact.distance >= candidate.margin || candidate.columns.is_empty() {
+            if !acts(candidate, contact) {
                 continue;
             }
             let friction = candidate.friction_with(|geom| state.friction[geom].lane(lane));
@@ -51,11 +52,11 @@ impl Constraints {
             let place = Place {
                 position: contact.distance,
                 margin: candidate.margin,
-                spring: spring(model, &candidate.softness, violation),
+                spring: Spring::new(&candidate.softness, shortest_time_constant(model)).at(violation),
                 bounds: ONE_WAY,
             };
             let kind = RowKind::Contact(index);
-            if let Some(drift) = drift(model, state, workspace, lane, (candidate, contact)) {
+            if let Some(drift) = drift(model, state, kinematics, lane, (candidate, contact)) {
                 let first = self.rows.len();
                 each_row(shape, candidate.dimension, &friction, &drift, |row, value| self.drift.push((first + row, value)));
             }
@@ -68,19 +69,24 @@ impl Constraints {
     }
 }
 
+/// Whether a contact has rows.
+#[inline(always)]
+pub(crate) fn acts(candidate: &CollisionPair, contact: &Contact) -> bool {
+    contact.distance < candidate.margin && !candidate.columns.is_empty()
+}
+
 /// How fast the second body of a contact is moved from outside against the first, in the contact's frame: along, then about its axes.
 /// `None` where neither is.
-fn drift<T: Real>(
+pub(crate) fn drift<T: Real>(
     model: &Model,
     state: &State<T>,
-    workspace: &Workspace<T>,
+    kinematics: &Kinematics<T>,
     lane: usize,
     (candidate, contact): (&CollisionPair, &Contact),
 ) -> Option<[f64; 6]> {
     if state.mocap_velocity.is_empty() {
         return None;
     }
-    let kinematics = &workspace.kinematics;
     let mut moves = false;
     let [first, second] = candidate.bodies.map(|body| {
         let root = model.bodies.root[body];
@@ -137,7 +143,8 @@ fn add_axes(
     rows.push(kind, Place { bounds, ..place }, candidate.inverse_weight[0]);
     let own = candidate.friction_reference != [0.0; 2];
     let reference = if own { candidate.friction_reference } else { candidate.softness.reference };
-    let damping = spring(model, &SolverParameters { reference, ..candidate.softness }, 0.0).damping;
+    let softness = SolverParameters { reference, ..candidate.softness };
+    let damping = Spring::new(&softness, shortest_time_constant(model)).damping;
     let spring = SpringDamper { stiffness: 0.0, damping, ..place.spring };
     for _ in 1..candidate.dimension {
         rows.push(kind, Place { position: 0.0, margin: 0.0, spring, bounds }, candidate.inverse_weight[0]);

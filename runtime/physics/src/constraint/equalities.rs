@@ -14,10 +14,9 @@
 //! with the bodies' accelerations a and α as they are then, and products of quaternions. (MuJoCo's manual, chapter Computation, "Constraint model, Equality".)
 
 use super::{
-    Constraints, CrossCoupling, RowKind,
+    Constraints, CrossCoupling, Extent, RowKind,
     jacobian::{MOST_BASE_ROWS, Shape},
     rows::{BOTH_WAYS, Place},
-    spring,
 };
 use crate::{
     State, Workspace,
@@ -33,12 +32,20 @@ const NO_TURN: Option<f64> = None;
 
 impl Constraints {
     /// All equalities that hold in the state.
-    pub(super) fn add_equalities<T: Real>(&mut self, model: &Model, state: &State<T>, workspace: &Workspace<T>, lane: usize) {
+    pub(super) fn add_equalities<T: Real>(
+        &mut self,
+        model: &Model,
+        state: &State<T>,
+        workspace: &Workspace<T>,
+        lane: usize,
+        extent: Extent,
+    ) {
         for (equality, kind) in model.equalities.kind.iter().enumerate() {
             if state.active[equality].lane(lane) == 0.0 {
                 continue;
             }
             match kind {
+                Equality::Joint(_) if extent == Extent::Unshared => {}
                 Equality::Joint(coupling) => {
                     self.add_joint_coupling(model, *coupling, |address| state.position[address].lane(lane));
                 }
@@ -79,7 +86,7 @@ impl Constraints {
             couplings.polynomial[coupling][0]
         };
         let residual = displacement(dependent) - wanted;
-        self.push_equality(model, couplings.equality[coupling], residual, residual, approximate);
+        self.push_equality(couplings.equality[coupling], residual, residual, approximate);
     }
 
     fn add_tendon_coupling<T: Real>(
@@ -103,7 +110,7 @@ impl Constraints {
         let columns = self.fixed.columns_of(&self.fixed.equalities[equality]);
         self.jacobian.push_over(columns, |dof| self.arms[dof]);
         let residual = displacement(coupling.tendon) - wanted;
-        self.push_equality(model, equality, residual, residual, approximate);
+        self.push_equality(equality, residual, residual, approximate);
     }
 
     /// Three rows for the origins of two frames; with a weight for turns, three more for their axes.
@@ -150,7 +157,7 @@ impl Constraints {
         let violation = residual[..dimension].iter().map(|part| part * part).sum::<f64>().sqrt();
         for (row, part) in residual[..dimension].iter().enumerate() {
             let approximate = bodies.iter().map(|&body| model.bodies.inverse_weight[body][row / 3]).sum();
-            self.push_equality(model, equality, *part, violation, approximate);
+            self.push_equality(equality, *part, violation, approximate);
         }
     }
 
@@ -180,8 +187,8 @@ impl Constraints {
         }
     }
 
-    fn push_equality(&mut self, model: &Model, equality: usize, residual: f64, violation: f64, approximate: f64) {
-        let spring = spring(model, &model.equalities.softness[equality], violation);
+    fn push_equality(&mut self, equality: usize, residual: f64, violation: f64, approximate: f64) {
+        let spring = self.fixed.springs[equality].at(violation);
         let place = Place { position: residual, margin: 0.0, spring, bounds: BOTH_WAYS };
         self.rows.push(RowKind::Equality(equality), place, approximate);
     }
@@ -230,7 +237,10 @@ impl Motion {
 }
 
 /// A polynomial of degree four and its slope.
-pub(crate) fn polynomial(&[a0, a1, a2, a3, a4]: &[f64; 5], x: f64) -> [f64; 2] {
-    let slope = a1 + x * (2.0 * a2 + x * (3.0 * a3 + x * 4.0 * a4));
+#[inline(always)]
+pub(crate) fn polynomial<T: Real>(&[a0, a1, a2, a3, a4]: &[f64; 5], x: T) -> [T; 2] {
+    let (b2, b3, four) = (T::splat(2.0 * a2), T::splat(3.0 * a3), T::splat(4.0));
+    let (a0, a1, a2, a3, a4) = (T::splat(a0), T::splat(a1), T::splat(a2), T::splat(a3), T::splat(a4));
+    let slope = a1 + x * (b2 + x * (b3 + x * four * a4));
     [a0 + x * (a1 + x * (a2 + x * (a3 + x * a4))), slope]
 }

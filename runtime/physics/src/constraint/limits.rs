@@ -1,70 +1,76 @@
 //! Friction losses and limits of joints and tendons.
 
 use super::{
-    Constraints, CrossCoupling, RowKind,
-    impedance::SpringDamper,
+    Constraints, CrossCoupling, Extent, RowKind,
+    impedance::Spring,
+    plan::Soft,
     rows::{ONE_WAY, Place},
-    spring,
 };
 use crate::{
     Workspace,
-    model::{JointKind, Model, SolverParameters},
+    model::{JointKind, Model},
     scalar::Real,
 };
 use nalgebra::Vector3;
 
 impl Constraints {
-    /// Dry friction: a force against the motion of up to the loss. It has no position, so it only damps.
-    pub(super) fn add_friction_losses<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
-        for index in 0..self.fixed.friction_loss_dofs.len() {
-            let dof = self.fixed.friction_loss_dofs[index];
+    /// Dry friction of dofs: a force against the motion of up to the loss. It has no position, so it only damps.
+    pub(super) fn add_dof_friction(&mut self, model: &Model) {
+        for &Soft { element: dof, spring } in &self.fixed.friction_loss_dofs {
             self.jacobian.push_row(&mut [(dof, 1.0)]);
-            let softness = &model.joints.friction_softness[model.dofs.joint[dof]];
-            let place = friction(model, softness, model.dofs.friction_loss[dof]);
+            let place = friction(spring, model.dofs.friction_loss[dof]);
             self.rows.push(RowKind::DofFriction(dof), place, model.dofs.inverse_weight[dof]);
         }
+    }
+
+    /// Dry friction of tendons.
+    pub(super) fn add_tendon_friction<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
         for index in 0..self.fixed.rubbing_tendons.len() {
-            let tendon = self.fixed.rubbing_tendons[index];
+            let Soft { element: tendon, spring } = self.fixed.rubbing_tendons[index];
             if !self.push_tendon_row(model, workspace, lane, tendon, 1.0) {
                 continue;
             }
-            let place = friction(model, &model.tendons.friction_softness[tendon], model.tendons.friction_loss[tendon]);
+            let place = friction(spring, model.tendons.friction_loss[tendon]);
             self.rows.push(RowKind::TendonFriction(tendon), place, model.tendons.inverse_weight[tendon]);
         }
     }
 
     /// Joint limits, the lower one first; a ball joint is limited in its rotation angle.
-    pub(super) fn add_joint_limits(&mut self, model: &Model, position: impl Fn(usize) -> f64) {
+    pub(super) fn add_joint_limits(&mut self, model: &Model, extent: Extent, position: impl Fn(usize) -> f64) {
         let joints = &model.joints;
-        for joint in 0..joints.kind.len() {
+        for index in 0..self.fixed.limited_joints.len() {
+            let Soft { element: joint, spring } = self.fixed.limited_joints[index];
             let Some([low, high]) = joints.range[joint] else { continue };
             let (address, dof) = (joints.position_address[joint], joints.dof_address[joint]);
-            match joints.kind[joint] {
-                JointKind::Hinge | JointKind::Slide => {
-                    let value = position(address);
-                    self.add_joint_limit(model, joint, value - low, &mut [(dof, 1.0)]);
-                    if self.add_joint_limit(model, joint, high - value, &mut [(dof, -1.0)]) {
-                        self.jacobian.mark_upper();
-                    }
+            if joints.kind[joint] == JointKind::Ball {
+                let (angle, axis) = turn(core::array::from_fn(|k| position(address + k)));
+                let mut entries = [(dof, -axis.x), (dof + 1, -axis.y), (dof + 2, -axis.z)];
+                self.add_joint_limit(model, joint, spring, low.at_least(high) - angle, &mut entries);
+            } else if extent == Extent::All {
+                let value = position(address);
+                self.add_joint_limit(model, joint, spring, value - low, &mut [(dof, 1.0)]);
+                if self.add_joint_limit(model, joint, spring, high - value, &mut [(dof, -1.0)]) {
+                    self.jacobian.mark_upper();
                 }
-                JointKind::Ball => {
-                    let (angle, axis) = turn(core::array::from_fn(|k| position(address + k)));
-                    let mut entries = [(dof, -axis.x), (dof + 1, -axis.y), (dof + 2, -axis.z)];
-                    self.add_joint_limit(model, joint, low.at_least(high) - angle, &mut entries);
-                }
-                JointKind::Free => {}
             }
         }
     }
 
     /// Whether the limit is near enough to have a row.
-    fn add_joint_limit(&mut self, model: &Model, joint: usize, distance: f64, entries: &mut [(usize, f64)]) -> bool {
+    fn add_joint_limit(
+        &mut self,
+        model: &Model,
+        joint: usize,
+        spring: Spring,
+        distance: f64,
+        entries: &mut [(usize, f64)],
+    ) -> bool {
         let margin = model.joints.margin[joint];
         let near = distance < margin;
         if near {
             self.jacobian.push_row(entries);
-            let place = limit(model, &model.joints.limit_softness[joint], distance, margin);
-            self.rows.push(RowKind::JointLimit(joint), place, model.dofs.inverse_weight[model.joints.dof_address[joint]]);
+            let weight = model.dofs.inverse_weight[model.joints.dof_address[joint]];
+            self.rows.push(RowKind::JointLimit(joint), limit(spring, distance, margin), weight);
         }
         near
     }
@@ -72,7 +78,7 @@ impl Constraints {
     /// Tendon limits, the lower one first.
     pub(super) fn add_tendon_limits<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
         for index in 0..self.fixed.limited_tendons.len() {
-            let tendon = self.fixed.limited_tendons[index];
+            let Soft { element: tendon, spring } = self.fixed.limited_tendons[index];
             let Some([low, high]) = model.tendons.range[tendon] else { continue };
             let (length, margin) = (workspace.tendons.length[tendon].lane(lane), model.tendons.margin[tendon]);
             for (distance, sign) in [(length - low, 1.0), (high - length, -1.0)] {
@@ -80,7 +86,7 @@ impl Constraints {
                     if sign < 0.0 {
                         self.jacobian.mark_upper();
                     }
-                    let place = limit(model, &model.tendons.limit_softness[tendon], distance, margin);
+                    let place = limit(spring, distance, margin);
                     self.rows.push(RowKind::TendonLimit(tendon), place, model.tendons.inverse_weight[tendon]);
                 }
             }
@@ -112,13 +118,12 @@ impl Constraints {
     }
 }
 
-fn friction(model: &Model, softness: &SolverParameters, loss: f64) -> Place {
-    let spring = SpringDamper { stiffness: 0.0, ..spring(model, softness, 0.0) };
-    Place { position: 0.0, margin: 0.0, spring, bounds: [-loss, loss] }
+fn friction(spring: Spring, loss: f64) -> Place {
+    Place { position: 0.0, margin: 0.0, spring: spring.slack().at(0.0), bounds: [-loss, loss] }
 }
 
-fn limit(model: &Model, softness: &SolverParameters, distance: f64, margin: f64) -> Place {
-    Place { position: distance, margin, spring: spring(model, softness, distance - margin), bounds: ONE_WAY }
+fn limit(spring: Spring, distance: f64, margin: f64) -> Place {
+    Place { position: distance, margin, spring: spring.at(distance - margin), bounds: ONE_WAY }
 }
 
 /// Angle in [0, π] and unit axis of a rotation.

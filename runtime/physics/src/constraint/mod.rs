@@ -16,29 +16,26 @@
 //!
 //! What depends on the model alone (which dofs an equality or tendon couples) is decided once, in `plan`.
 //!
-//! The set of rows differs between episodes, so this stage and the solver work on one episode in `f64`: an episode in a
-//! SIMD lane is read through [`Real::lane`]. What is common to all lanes is computed in the stages before and after.
+//! The set of rows differs between episodes, so this stage works on one episode in `f64`: an episode in a SIMD lane is read through
+//! [`Real::lane`]. For the solver of all lanes most rows are made in all of them at once instead (`solver::slots`), and an episode gets
+//! rows of its own when it leaves its lane. What is common to all lanes is computed in the stages before and after.
 
 pub(crate) mod cone;
-mod contacts;
+pub(crate) mod contacts;
 pub(crate) mod equalities;
-mod impedance;
+pub(crate) mod impedance;
 pub(crate) mod jacobian;
 mod limits;
 mod plan;
-mod rows;
+pub(crate) mod rows;
 
 pub use rows::{RowKind, Rows};
 
 use super::{Workspace, collision, state::State, tendons::each_moment_arm};
-use crate::{
-    model::{Model, SolverParameters},
-    scalar::Real,
-};
+use crate::{model::Model, scalar::Real};
 use cone::Cone;
-use impedance::{SpringDamper, spring_damper};
 use jacobian::{Jacobian, Shape};
-pub(crate) use plan::RowPlan;
+pub(crate) use plan::{RowPlan, Soft};
 use std::sync::Arc;
 
 /// What couples dofs that do not lie on one root path, so that the solver's pattern needs room for it.
@@ -50,6 +47,17 @@ pub(crate) enum CrossCoupling {
     Tendon(usize),
     /// A contact, by its candidate's index.
     Contact(usize),
+}
+
+/// Which rows an episode has of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Extent {
+    /// All.
+    #[default]
+    All,
+    /// Those that are not made in all lanes at once for the solver of all lanes: equalities but couplings of joints, friction and limits of
+    /// tendons, limits of balls.
+    Unshared,
 }
 
 /// The constraints of one episode.
@@ -67,7 +75,9 @@ pub struct Constraints {
     pub(crate) cones: Vec<Cone>,
     /// What couples several chains, in the order of the rows: what the solver's pattern depends on.
     pub(crate) cross_couplings: Vec<CrossCoupling>,
-    fixed: Arc<RowPlan>,
+    /// Which rows have been built.
+    pub(crate) extent: Extent,
+    pub(crate) fixed: Arc<RowPlan>,
     velocity: Vec<f64>,
     /// Velocities of rows that no dof makes: those of contacts with bodies that are moved from outside.
     drift: Vec<(usize, f64)>,
@@ -138,23 +148,47 @@ impl Constraints {
 
     /// Builds all rows of the episode in `lane` from its positions, velocities and contacts.
     pub fn build<T: Real>(&mut self, model: &Model, state: &State<T>, workspace: &Workspace<T>, lane: usize) {
+        self.build_extent(model, state, workspace, lane, Extent::All);
+    }
+
+    /// Builds the rows of the episode in `lane`, all of them or those that are not made in all lanes at once.
+    pub(crate) fn build_extent<T: Real>(
+        &mut self,
+        model: &Model,
+        state: &State<T>,
+        workspace: &Workspace<T>,
+        lane: usize,
+        extent: Extent,
+    ) {
+        self.extent = extent;
         self.rows.clear();
         self.jacobian.clear();
         self.cones.clear();
         self.cross_couplings.clear();
         self.drift.clear();
+        if extent == Extent::Unshared && !self.fixed.some_unshared {
+            return;
+        }
         let switches = model.options.switches;
         if switches.equality {
-            self.add_equalities(model, state, workspace, lane);
+            self.add_equalities(model, state, workspace, lane, extent);
         }
         if switches.friction_loss {
-            self.add_friction_losses(model, workspace, lane);
+            if extent == Extent::All {
+                self.add_dof_friction(model);
+            }
+            self.add_tendon_friction(model, workspace, lane);
         }
         if switches.limit {
-            self.add_joint_limits(model, |address| state.position[address].lane(lane));
+            self.add_joint_limits(model, extent, |address| state.position[address].lane(lane));
             self.add_tendon_limits(model, workspace, lane);
         }
-        self.add_contacts(model, state, workspace, lane);
+        if extent == Extent::All {
+            self.add_contacts(model, state, workspace, lane);
+        }
+        if self.rows.is_empty() {
+            return;
+        }
         self.velocity.clear();
         self.velocity.extend(state.velocity.iter().map(|value| value.lane(lane)));
         self.rows.finish(&self.jacobian, &self.velocity, &self.drift);
@@ -181,8 +215,7 @@ impl Constraints {
     }
 }
 
-/// The spring and damper of a constraint at its violation.
-fn spring(model: &Model, softness: &SolverParameters, violation: f64) -> SpringDamper {
-    let shortest = if model.options.switches.safe_reference { 2.0 * model.options.timestep } else { 0.0 };
-    spring_damper(softness, violation, shortest)
+/// The shortest time constant of a spring, s.
+pub(crate) fn shortest_time_constant(model: &Model) -> f64 {
+    if model.options.switches.safe_reference { 2.0 * model.options.timestep } else { 0.0 }
 }

@@ -1,8 +1,9 @@
 //! What rows need that depends on the model alone: the dofs of equalities and tendons, and which elements can have rows.
 
+use super::{impedance::Spring, shortest_time_constant};
 use crate::{
     jacobian::last_dof,
-    model::{Equality, Model},
+    model::{Equality, JointKind, Model},
     tendons::TendonPaths,
 };
 use core::ops::Range;
@@ -17,6 +18,13 @@ pub(crate) struct Columns {
     pub cross_couplings: bool,
 }
 
+/// An element of the model that can have a row, and how soft it is then.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Soft {
+    pub element: usize,
+    pub spring: Spring,
+}
+
 /// Fixed topology of all rows but those of contacts.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RowPlan {
@@ -28,31 +36,51 @@ pub(crate) struct RowPlan {
     pub columns: Vec<usize>,
     /// For each column of an attachment, whether the dof moves its first and its second body: 1 or 0.
     pub moves: Vec<[f64; 2]>,
+    /// How soft each equality is.
+    pub springs: Vec<Spring>,
     /// Dofs with friction loss.
-    pub friction_loss_dofs: Vec<usize>,
+    pub friction_loss_dofs: Vec<Soft>,
     /// Tendons with friction loss.
-    pub rubbing_tendons: Vec<usize>,
+    pub rubbing_tendons: Vec<Soft>,
+    /// Joints with limits.
+    pub limited_joints: Vec<Soft>,
     /// Tendons with limits.
-    pub limited_tendons: Vec<usize>,
+    pub limited_tendons: Vec<Soft>,
+    /// Whether the model has rows, beside those of contacts, that are not made in all lanes at once.
+    pub some_unshared: bool,
 }
 
 impl RowPlan {
     pub fn new(model: &Model) -> Self {
-        let tendons = &model.tendons;
+        let (tendons, joints, dofs) = (&model.tendons, &model.joints, &model.dofs);
         let count = tendons.path.len();
+        let spring = |softness| Spring::new(softness, shortest_time_constant(model));
+        let soft = |element, softness| Soft { element, spring: spring(softness) };
+        let rubs = |loss: f64| loss > 0.0;
+        let limited = |joint: &usize| joints.range[*joint].is_some() && joints.kind[*joint] != JointKind::Free;
+        let rubbing_dofs = (0..model.nv).filter(|&dof| rubs(dofs.friction_loss[dof]));
+        let rubbing_tendons = (0..count).filter(|&tendon| rubs(tendons.friction_loss[tendon]));
+        let limited_joints = (0..joints.kind.len()).filter(limited);
+        let limited_tendons = (0..count).filter(|&tendon| tendons.range[tendon].is_some());
         let mut plan = Self {
-            friction_loss_dofs: (0..model.nv).filter(|&dof| model.dofs.friction_loss[dof] > 0.0).collect(),
-            rubbing_tendons: (0..count).filter(|&tendon| tendons.friction_loss[tendon] > 0.0).collect(),
-            limited_tendons: (0..count).filter(|&tendon| tendons.range[tendon].is_some()).collect(),
+            springs: model.equalities.softness.iter().map(spring).collect(),
+            friction_loss_dofs: rubbing_dofs.map(|dof| soft(dof, &joints.friction_softness[dofs.joint[dof]])).collect(),
+            rubbing_tendons: rubbing_tendons.map(|tendon| soft(tendon, &tendons.friction_softness[tendon])).collect(),
+            limited_joints: limited_joints.map(|joint| soft(joint, &joints.limit_softness[joint])).collect(),
+            limited_tendons: limited_tendons.map(|tendon| soft(tendon, &tendons.limit_softness[tendon])).collect(),
             ..Self::default()
         };
+        plan.some_unshared = !plan.rubbing_tendons.is_empty()
+            || !plan.limited_tendons.is_empty()
+            || plan.limited_joints.iter().any(|soft| joints.kind[soft.element] == JointKind::Ball)
+            || !model.equalities.kind.iter().all(|kind| matches!(kind, Equality::Joint(_)));
         let coupled = model.equalities.kind.iter().any(|kind| matches!(kind, Equality::Tendon(_)));
         // Most models have no rows of tendons and need no paths here.
         let needed = coupled || !plan.rubbing_tendons.is_empty() || !plan.limited_tendons.is_empty();
         let paths = needed.then(|| TendonPaths::<f64>::new(model));
         let movers = |tendon: usize| paths.as_ref().map(|paths| paths.columns(model, tendon)).unwrap_or_default();
         for tendon in 0..count {
-            let has_row = plan.rubbing_tendons.contains(&tendon) || plan.limited_tendons.contains(&tendon);
+            let has_row = rubs(tendons.friction_loss[tendon]) || tendons.range[tendon].is_some();
             let columns = if has_row { movers(tendon) } else { Vec::new() };
             let columns = plan.add(model, columns, |_| [0.0; 2]);
             plan.tendons.push(columns);

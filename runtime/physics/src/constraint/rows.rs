@@ -81,9 +81,15 @@ pub(super) struct Place {
 }
 
 /// Forces of a constraint that pulls both ways.
-pub(super) const BOTH_WAYS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+pub(crate) const BOTH_WAYS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 /// Forces of a constraint that only pushes.
-pub(super) const ONE_WAY: [f64; 2] = [0.0, f64::INFINITY];
+pub(crate) const ONE_WAY: [f64; 2] = [0.0, f64::INFINITY];
+
+/// R of a row from its impedance and its entry in the diagonal of J M^-1 J'.
+#[inline(always)]
+pub(crate) fn regularization<T: Real>(impedance: T, approximate: T) -> T {
+    ((T::splat(1.0) - impedance) / impedance * approximate).at_least(T::splat(1e-15))
+}
 
 impl Rows {
     /// Number of rows.
@@ -126,7 +132,7 @@ impl Rows {
         self.stiffness.push(spring.stiffness);
         self.damping.push(spring.damping);
         self.impedance.push(spring.impedance);
-        self.regularization.push(((1.0 - spring.impedance) / spring.impedance * approximate).at_least(1e-15));
+        self.regularization.push(regularization(spring.impedance, approximate));
         self.lower.push(lower);
         self.upper.push(upper);
     }

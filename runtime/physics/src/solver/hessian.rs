@@ -111,7 +111,13 @@ impl Newton {
 
 /// Adds a block's J'WJ to the matrix, with the weight W of its base rows.
 #[inline(always)]
-fn add_block(pattern: &PathPattern, matrix: &mut [f64], jacobian: &Jacobian, block: &Block, weight: &BaseWeight<f64>) {
+fn add_block(
+    pattern: &PathPattern,
+    matrix: &mut [f64],
+    jacobian: &Jacobian,
+    block: &Block,
+    weight: &BaseWeight<f64, MOST_BASE_ROWS>,
+) {
     let base: [&[f64]; MOST_BASE_ROWS] =
         core::array::from_fn(|row| if row < block.dimension { jacobian.base_row(block, row) } else { &[] });
     outer::add(pattern, matrix, jacobian.columns_of(block), &base[..block.dimension], weight);

@@ -31,7 +31,7 @@ mod hessian;
 mod line_search;
 pub(crate) mod no_slip;
 mod outer;
-mod slots;
+pub(crate) mod slots;
 pub(crate) mod together;
 
 use super::{

@@ -1,14 +1,20 @@
 //! J'WJ of one constraint, added to a matrix on its pattern: for one episode and for several in lanes, in the same order.
 
-use crate::{constraint::jacobian::MOST_BASE_ROWS, path_matrix::PathPattern, scalar::Real};
+use crate::{path_matrix::PathPattern, scalar::Real};
 
-/// Second derivative of the cost over the base rows of a constraint.
-pub(super) type BaseWeight<T> = [[T; MOST_BASE_ROWS]; MOST_BASE_ROWS];
+/// Second derivative of the cost over the base rows of a constraint, of which there may be fewer.
+pub(super) type BaseWeight<T, const ROWS: usize> = [[T; ROWS]; ROWS];
 
 /// Adds J'WJ, given the base rows J over `columns` and their weight W. The columns lie on one path, so each row's entries are found by
 /// their depth; the columns of what touches the world are the whole path, entry beside entry.
 #[inline(always)]
-pub(super) fn add<T: Real>(pattern: &PathPattern, matrix: &mut [T], columns: &[usize], base: &[&[T]], weight: &BaseWeight<T>) {
+pub(super) fn add<T: Real, const ROWS: usize>(
+    pattern: &PathPattern,
+    matrix: &mut [T],
+    columns: &[usize],
+    base: &[&[T]],
+    weight: &BaseWeight<T, ROWS>,
+) {
     let whole_path = columns.last().is_some_and(|&last| pattern.depth(last) + 1 == columns.len());
     for (place, &dof) in columns.iter().enumerate() {
         let target = &mut matrix[pattern.row[dof].clone()];
@@ -16,16 +22,12 @@ pub(super) fn add<T: Real>(pattern: &PathPattern, matrix: &mut [T], columns: &[u
         match base {
             // A contact with friction: one load and store for three products.
             [a, b, c] => {
-                let p = pull(&weight[0], base, place);
-                let q = pull(&weight[1], base, place);
-                let r = pull(&weight[2], base, place);
-                let values = a.iter().zip(*b).zip(*c);
-                before.each(target, values, |entry, ((a, b), c)| *entry = *entry + p * *a + q * *b + r * *c);
+                let pulls = [pull(&weight[0], base, place), pull(&weight[1], base, place), pull(&weight[2], base, place)];
+                add_three(target, &before, &pulls, a.iter().zip(*b).zip(*c));
             }
             _ => {
                 for (row, values) in base.iter().enumerate() {
-                    let pull = pull(&weight[row], base, place);
-                    before.each(target, values.iter(), |entry, value| *entry += pull * *value);
+                    add_one(target, &before, pull(&weight[row], base, place), values);
                 }
             }
         }
@@ -34,7 +36,7 @@ pub(super) fn add<T: Real>(pattern: &PathPattern, matrix: &mut [T], columns: &[u
 
 /// A row of W times J, in one column.
 #[inline(always)]
-fn pull<T: Real>(weights: &[T; MOST_BASE_ROWS], base: &[&[T]], place: usize) -> T {
+fn pull<T: Real, const ROWS: usize>(weights: &[T; ROWS], base: &[&[T]], place: usize) -> T {
     let mut sum = T::splat(-0.0);
     for (weight, values) in weights.iter().zip(base) {
         sum += *weight * values[place];
@@ -49,22 +51,45 @@ enum Before<'a> {
     Some(&'a PathPattern, &'a [usize]),
 }
 
-impl Before<'_> {
-    /// Calls `add` with each entry and its value.
-    #[inline(always)]
-    fn each<T: Real, V>(&self, target: &mut [T], values: impl Iterator<Item = V>, add: impl Fn(&mut T, V)) {
-        match self {
-            Self::All => {
-                for (entry, value) in target.iter_mut().zip(values) {
-                    T::apart();
-                    add(entry, value);
-                }
+/// Adds one base row times its pull. (A closure for what both loops do would be compiled for SSE2 and called.)
+#[inline(always)]
+fn add_one<T: Real>(target: &mut [T], before: &Before<'_>, pull: T, values: &[T]) {
+    match before {
+        Before::All => {
+            for (entry, value) in target.iter_mut().zip(values) {
+                T::apart();
+                *entry += pull * *value;
             }
-            Self::Some(pattern, columns) => {
-                for (&column, value) in columns.iter().zip(values) {
-                    T::apart();
-                    add(&mut target[pattern.depth(column)], value);
-                }
+        }
+        Before::Some(pattern, columns) => {
+            for (&column, value) in columns.iter().zip(values) {
+                T::apart();
+                target[pattern.depth(column)] += pull * *value;
+            }
+        }
+    }
+}
+
+/// Adds three base rows times their pulls.
+#[inline(always)]
+fn add_three<'a, T: Real>(
+    target: &mut [T],
+    before: &Before<'_>,
+    [p, q, r]: &[T; 3],
+    values: impl Iterator<Item = ((&'a T, &'a T), &'a T)>,
+) {
+    match before {
+        Before::All => {
+            for (entry, ((a, b), c)) in target.iter_mut().zip(values) {
+                T::apart();
+                *entry = *entry + *p * *a + *q * *b + *r * *c;
+            }
+        }
+        Before::Some(pattern, columns) => {
+            for (&column, ((a, b), c)) in columns.iter().zip(values) {
+                T::apart();
+                let entry = &mut target[pattern.depth(column)];
+                *entry = *entry + *p * *a + *q * *b + *r * *c;
             }
         }
     }

@@ -6,14 +6,12 @@
 //! A lane that meets what is rare (a pivot that is not positive, a direction spoilt by rounding, numbers that are not finite) is left
 //! out, and its episode is solved alone, from the start.
 
-use super::{PathPattern, outer, slots::Slots};
+use super::{
+    PathPattern,
+    slots::{Slots, Source},
+};
 use crate::{
-    constrained::ConstraintState,
-    constraint::{CrossCoupling, jacobian::MOST_BASE_ROWS},
-    fault::valid,
-    inertia,
-    model::Model,
-    scalar::Real,
+    constrained::ConstraintState, constraint::CrossCoupling, fault::valid, inertia, model::Model, scalar::Real,
     tree_matrix::Layout,
 };
 use std::sync::Arc;
@@ -79,9 +77,19 @@ impl<T: Real> Together<T> {
         }
     }
 
-    /// Gathers the constraints of the lanes that take part; whether they can be solved together.
-    pub fn gather(&mut self, model: &Model, lanes: &[ConstraintState], takes_part: &[bool]) -> bool {
-        self.slots.gather(lanes, takes_part);
+    /// Builds the rows of all lanes.
+    #[inline(always)]
+    pub fn build(&mut self, source: &Source<'_, T>) {
+        self.slots.build(source);
+    }
+
+    /// The lanes that have rows.
+    pub fn occupied(&self) -> T::Mask {
+        self.slots.occupied
+    }
+
+    /// Makes room for what couples chains; whether the lanes can be solved together.
+    pub fn prepare(&mut self, model: &Model, lanes: &[ConstraintState]) -> bool {
         if self.slots.cross_couplings.len() > MOST_CROSS_COUPLINGS {
             return false;
         }
@@ -97,14 +105,18 @@ impl<T: Real> Together<T> {
         true
     }
 
-    /// Writes what was found in a lane to its constraints and returns iterations and gradient.
+    /// Notes iterations and gradient of a lane.
     pub fn scatter(&self, own: &mut ConstraintState, lane: usize) {
-        self.slots.scatter_forces(&mut own.constraints, lane);
         own.newton.iterations = self.iterations[lane];
         own.newton.gradient_norm = self.gradient_norm.lane(lane);
     }
 
-    /// Solves for the lanes of the mask, after [`gather`](Self::gather). Returns the lanes that have been solved.
+    /// Writes the forces of a lane to its rows, all of which it has.
+    pub fn scatter_forces(&mut self, own: &mut ConstraintState, lane: usize) {
+        self.slots.scatter_forces(&mut own.constraints, lane);
+    }
+
+    /// Solves for the lanes of the mask, after [`prepare`](Self::prepare). Returns the lanes that have been solved.
     #[inline(always)]
     pub fn solve(&mut self, model: &Model, problem: &Problem<'_, T>, wanted: T::Mask) -> T::Mask {
         let rows = self.slots.rows.len();
@@ -291,14 +303,13 @@ impl<T: Real> Together<T> {
             }
         }
         for slot in &slots.slots {
-            let some = active[slot.rows.clone()].iter().any(|weight| T::any(T::or(zero.less(*weight), weight.less(zero))));
-            if !some {
-                continue;
+            let mut some = T::mask(|_| false);
+            for weight in &active[slot.rows.clone()] {
+                some = T::or(some, differ(*weight, zero));
             }
-            let weight = slots.base_weight(slot, active);
-            let base: [&[T]; MOST_BASE_ROWS] =
-                core::array::from_fn(|row| if row < slot.dimension { slots.base_row(slot, row) } else { &[] });
-            outer::add(pattern, fresh, slots.columns_of(slot), &base[..slot.dimension], &weight);
+            if T::any(some) {
+                slots.add_outer(pattern, fresh, slot, active);
+            }
         }
         self.factored.clone_from(&self.active);
     }
