@@ -65,7 +65,7 @@ pub enum SpaceChoice {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Targets {
-    /// Names of joints and of groups of joints; empty for legs, lumbar spine, shoulders and elbows, as far as the body has them, and for none of a gait.
+    /// Names of joints and of groups of joints; empty for legs, lumbar spine, shoulders and elbows, as far as the body has them, and of a gait for the lumbar spine.
     pub joints: Vec<String>,
     /// Largest offset of a joint, rad.
     pub joint_range: f64,
@@ -79,7 +79,7 @@ pub struct Targets {
     pub reach: f64,
     /// Largest factor by which balance and resting feet count more or less against the joints; 1 where they count as ever.
     pub priority_factor: f64,
-    /// Largest speeds of a gait forward and to the left, m/s, and of its turn, rad/s. Nothing else of a gait's balance is moved.
+    /// Largest speeds of a gait forward and to the left, m/s, and of its turn, rad/s. Of its balance plans move nothing else.
     pub pace: [f64; 3],
     /// What has the targets that are moved.
     pub along: Along,
