@@ -188,18 +188,19 @@ impl<T: Real> Slots<T> {
         match slot.dimension {
             1 => self.add_outer_of::<1>(pattern, matrix, slot, weights),
             3 => self.add_outer_of::<3>(pattern, matrix, slot, weights),
-            4 => self.add_outer_of::<4>(pattern, matrix, slot, weights),
             _ => self.add_outer_of::<MOST_BASE_ROWS>(pattern, matrix, slot, weights),
         }
     }
 
+    /// [`add_outer`](Self::add_outer) of a slot with at most `ROWS` base rows.
     #[inline(always)]
     fn add_outer_of<const ROWS: usize>(&self, pattern: &PathPattern, matrix: &mut [T], slot: &Slot, weights: &[T]) {
         let mut base: [&[T]; ROWS] = [&[]; ROWS];
-        for (row, base) in base.iter_mut().enumerate() {
+        for (row, base) in base.iter_mut().enumerate().take(slot.dimension) {
             *base = self.base_row(slot, row);
         }
-        outer::add(pattern, matrix, self.columns_of(slot), &base, &self.base_weight::<ROWS>(slot, weights));
+        let weight = self.base_weight::<ROWS>(slot, weights);
+        outer::add(pattern, matrix, self.columns_of(slot), &base[..slot.dimension], &weight);
     }
 
     /// Second derivative of the cost along a slot's base rows, given that of each row.
