@@ -92,6 +92,12 @@ impl Space {
         !self.pace().is_empty()
     }
 
+    /// For how many control steps muscles keep in imagination what was asked of them, where settings say so many. Of a pose it is two at least: what is
+    /// imagined a little worse than it will be leaves a margin. A gait sees its feet late then.
+    pub fn hold(&self, steps: u32) -> u32 {
+        if self.walks() { steps } else { steps.max(2) }
+    }
+
     /// Whether entries of a plan move hands.
     pub fn reaches(&self) -> bool {
         match self {
