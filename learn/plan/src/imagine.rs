@@ -90,6 +90,7 @@ impl Imaginer {
 
     /// Plays every plan; `None` if `stop` became true before the end.
     pub fn play(&self, present: &Present<'_>, plans: &[Curve], extent: Extent, stop: &AtomicBool) -> Option<Vec<Trace>> {
+        let extent = Extent { hold: present.space.hold(extent.hold), ..extent };
         // Groups are fixed, so that the bits of a trace depend on no number of threads.
         let groups: Vec<Option<Vec<Trace>>> =
             plans.par_chunks(WIDTH).map(|plans| self.group(present, plans, extent, stop)).collect();

@@ -95,8 +95,7 @@ impl Look<'_> {
     fn worths(&self, space: &Space, plans: &[Curve]) -> Vec<Worth> {
         let entries = vec![self.extent.rest; space.size(self.context)];
         let present = Present { context: *self.context, space, entries: &entries, name: "plan/look" };
-        let extent = Extent { steps: [self.steps, 0], hold: space.hold(self.extent.hold), ..self.extent };
-        let traces = self.imaginer.play(&present, plans, extent, self.stop);
+        let traces = self.imaginer.play(&present, plans, Extent { steps: [self.steps, 0], ..self.extent }, self.stop);
         // Plans keep up a pose that falls late; what a gait is when it falls, they see too late.
         let enough = if space.walks() { self.steps } else { (KEPT * f64::from(self.steps)) as u32 };
         let mut worths: Vec<Worth> = traces.unwrap_or_default().iter().map(|trace| Worth::of(trace, enough)).collect();

@@ -99,7 +99,7 @@ impl Planning {
         let (space, plan) = look.choose(space, settings)?;
         let walks = space.walks();
         let settings = if walks { settings.walking(in_steps) } else { settings.clone() };
-        let extent = Extent { hold: space.hold(hold), ..extent(&settings) };
+        let extent = extent(&settings);
         let (width, search) = (space.size(context), Search::around(plan, &settings));
         let sight = f64::from(extent.steps[0] + extent.steps[1]);
         Ok(Self {

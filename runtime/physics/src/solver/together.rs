@@ -414,8 +414,9 @@ pub(super) fn factor_limit(model: &Model) -> f64 {
     0.5 * operations as f64
 }
 
+/// The lanes in which two numbers differ.
 #[inline(always)]
-fn differ<T: Real>(a: T, b: T) -> T::Mask {
+pub(super) fn differ<T: Real>(a: T, b: T) -> T::Mask {
     T::or(a.less(b), b.less(a))
 }
 

@@ -17,6 +17,7 @@ use crate::{
     kinematics::Kinematics,
     model::{Equality, JointKind, Model},
     scalar::Real,
+    solver::together::differ,
     state::State,
 };
 
@@ -94,8 +95,7 @@ impl<T: Real> Slots<T> {
         let Source { model, plan, state, living, .. } = source;
         let (joints, couplings, weights) = (&model.joints, &model.couplings, &model.dofs.inverse_weight);
         let (zero, one) = (T::splat(0.0), T::splat(1.0));
-        let active = state.active[equality];
-        let holds = T::and(*living, T::or(active.less(zero), zero.less(active)));
+        let holds = T::and(*living, differ(state.active[equality], zero));
         let (key, spring) = (key(RowKind::Equality(equality), false), &plan.springs[equality]);
         let (dependent, coefficients) = (couplings.joint[coupling], &couplings.polynomial[coupling]);
         let dof = joints.dof_address[dependent];
