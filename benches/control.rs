@@ -3,7 +3,8 @@
 //!     cargo bench --bench control
 //!
 //! Eight episodes of a task in the lanes of one worker under the policy `cmc`, and one alone. Wall-clock time per episode and control
-//! step, medians of the rounds: for a machine that does nothing else.
+//! step, medians of the rounds: for a machine that does nothing else. Then eight whole episodes of every task of the suite, and the mean over
+//! all their control steps.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a benchmark ends at its first failure")]
 
 use msk::compiler::compile;
@@ -23,11 +24,19 @@ fn main() {
     for name in ["stand", "squat", "walk"] {
         let engine = engine(name);
         for episodes in [1, 8] {
-            let rounds: Vec<[f64; 2]> = (0..ROUNDS).map(|_| play(&engine, episodes)).collect();
-            let [control, rest] = [0, 1].map(|part| median(rounds.iter().map(|round| round[part])));
+            let rounds: Vec<Spent> = (0..ROUNDS).map(|_| play(&engine, episodes, STEPS)).collect();
+            let [control, rest] = [0, 1].map(|part| median(rounds.iter().map(|round| round.per_step()[part])));
             println!("{name:<10} {episodes:>9} {control:>15.1} {rest:>15.1}");
         }
     }
+    let mut all = Spent::default();
+    println!("\n{:<18} {:>7} {:>15} {:>15}", "whole episodes", "steps", "controller, us", "rest, us");
+    for engine in engines() {
+        let spent = play(&engine, 8, usize::MAX);
+        println!("{:<18} {spent}", engine.task().name);
+        all = Spent { control: all.control + spent.control, rest: all.rest + spent.rest, steps: all.steps + spent.steps };
+    }
+    println!("{:<18} {all}", "all 22 tasks");
     let mut environment = Environment::of(engine("walk"));
     environment.reset(EpisodeKey::default());
     let kept = environment.snapshot();
@@ -44,17 +53,45 @@ fn main() {
     println!("\nwalk: snapshot {snapshot:.1} us, restore {restore:.1} us, reset {reset:.0} us");
 }
 
+/// Time of some control steps, s, of the controller, and of all else.
+#[derive(Default)]
+struct Spent {
+    control: f64,
+    rest: f64,
+    steps: f64,
+}
+
+impl Spent {
+    /// Microseconds.
+    fn per_step(&self) -> [f64; 2] {
+        [self.control, self.rest].map(|time| time * 1e6 / self.steps)
+    }
+}
+
+impl std::fmt::Display for Spent {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [control, rest] = self.per_step();
+        write!(f, "{:>7} {control:>15.1} {rest:>15.1}", self.steps)
+    }
+}
+
 fn engine(task: &str) -> Engine {
+    engines().find(|engine| engine.task().name == task).unwrap()
+}
+
+/// Those of the suite.
+fn engines() -> impl Iterator<Item = Engine> {
     let bodies = BodyLibrary::default();
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tasks.msk");
     let compilation = compile(&file, &FileLoader, &bodies).unwrap();
-    let task = compilation.tasks.iter().find(|known| known.name == task).unwrap().clone();
-    let stage = bodies.stage(&task.body, &task.scene).unwrap();
-    Engine::new(stage.model, stage.body, task).unwrap()
+    compilation.tasks.into_iter().map(move |task| {
+        let stage = bodies.stage(&task.body, &task.scene).unwrap();
+        Engine::new(stage.model, stage.body, task).unwrap()
+    })
 }
 
-/// Microseconds per episode and control step: of the controller, and of all else. Episodes that end are left out from there on.
-fn play(engine: &Engine, count: usize) -> [f64; 2] {
+/// The first `most` control steps of some episodes. Those that end are left out from there on.
+fn play(engine: &Engine, count: usize, most: usize) -> Spent {
     let mut scratch = engine.group_scratch(count);
     let weights = engine.task().weights();
     let mut policies: Vec<Box<dyn Policy>> = (0..count).map(|_| create("cmc").unwrap()).collect();
@@ -66,8 +103,8 @@ fn play(engine: &Engine, count: usize) -> [f64; 2] {
         policies[lane].reset(&engine.context(episode, &weights, scratch.lane(lane))).unwrap();
     }
     let mut actions: Vec<_> = policies.iter().map(|policy| engine.action(policy.acts_on())).collect();
-    let (mut control, mut rest, mut taken) = (0.0, 0.0, 0.0);
-    for _ in 0..STEPS {
+    let mut spent = Spent::default();
+    for _ in 0..most {
         let start = seconds();
         let mut controlled: Vec<Controlled<'_>> = policies
             .iter_mut()
@@ -86,17 +123,20 @@ fn play(engine: &Engine, count: usize) -> [f64; 2] {
             })
             .collect();
         let count = controlled.len();
+        if count == 0 {
+            break;
+        }
         scratch.control(&mut controlled).into_iter().for_each(|acted| acted.unwrap());
         let middle = seconds();
         scratch.step(episodes.iter_mut().zip(&mut rates).zip(&actions).map(|((episode, rates), action)| {
             let goes_on = episode.ending().is_none();
             goes_on.then(|| Member { engine, episode, rates, weights: &weights, action: action.into() })
         }));
-        control += middle - start;
-        rest += seconds() - middle;
-        taken += count as f64;
+        spent.control += middle - start;
+        spent.rest += seconds() - middle;
+        spent.steps += count as f64;
     }
-    [control, rest].map(|time| time * 1e6 / taken)
+    spent
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {

@@ -2,6 +2,7 @@
 
 use super::allocation::Columns;
 use super::coordinates::{Coordinates, Slopes};
+use core::ops::Range;
 use msk_physics::model::{Model, Muscle};
 use msk_physics::path_matrix::PathPattern;
 use msk_physics::scalar::Real;
@@ -23,8 +24,11 @@ pub(super) struct Dynamics<T> {
     projected: Vec<Projected>,
     /// Scratch of `nv` entries.
     full: Vec<T>,
-    /// Scratch of as many entries as a muscle moves coordinates.
-    arms: Vec<T>,
+    /// Moment arms of the muscles, one column each.
+    arms: Columns<T>,
+    /// Of each muscle: its damping within the hold, N s²/m, and minus its passive force, N.
+    held: Vec<T>,
+    slack: Vec<T>,
 }
 
 /// A muscle, and what it moves.
@@ -34,8 +38,8 @@ struct Crossing {
     muscle: Muscle,
     /// The independent coordinates that it moves, ascending.
     rows: Vec<usize>,
-    /// Their depths in the pattern.
-    depths: Vec<usize>,
+    /// Its entries among those of all columns.
+    values: Range<usize>,
     /// For each entry of its tendon's row the place of its coordinate among these; `None` for a dof that is held still.
     places: Vec<Option<usize>>,
 }
@@ -57,23 +61,27 @@ impl<T: Real> Dynamics<T> {
     /// Memory for `model`, whose tendons have these paths.
     pub fn new(model: &Model, paths: &TendonPaths<T>, coordinates: &Coordinates) -> Self {
         let moments = MomentPlan::new(model, paths);
+        let mut entries = 0;
         let crossing = |(actuator, muscle): (usize, Muscle)| {
             let mut rows: Vec<usize> = moments.dofs(muscle.tendon).filter_map(|dof| coordinates.of(dof)).collect();
             rows.sort_unstable();
             rows.dedup();
             let place = |coordinate: usize| rows.partition_point(|row| *row < coordinate);
             let places = moments.dofs(muscle.tendon).map(|dof| coordinates.of(dof).map(place)).collect();
-            Crossing { actuator, muscle, rows, depths: Vec::new(), places }
+            let values = entries..entries + rows.len();
+            entries = values.end;
+            Crossing { actuator, muscle, rows, values, places }
         };
-        let mut crossing: Vec<Crossing> = model.actuators.muscles().map(crossing).collect();
+        let crossing: Vec<Crossing> = model.actuators.muscles().map(crossing).collect();
         let mut pattern = PathPattern::default();
         let bodies = coupled_by_bodies(model, coordinates);
         let coupled = bodies.iter().map(|pair| &pair[..]).chain(crossing.iter().map(|crossing| &crossing.rows[..]));
         pattern.rebuild(&vec![None; coordinates.len()], coupled);
-        for Crossing { rows, depths, .. } in &mut crossing {
-            depths.extend(rows.iter().map(|&row| pattern.depth(row)));
+        let mut arms = Columns::default();
+        for Crossing { rows, .. } in &crossing {
+            arms.push(&pattern, rows.iter().map(|&row| (row, T::splat(0.0))));
         }
-        let most = crossing.iter().map(|crossing| crossing.rows.len()).max().unwrap_or(0);
+        let zeros = vec![T::splat(0.0); crossing.len()];
         Self {
             projected: projected(model, coordinates, &pattern),
             moments,
@@ -82,7 +90,9 @@ impl<T: Real> Dynamics<T> {
             pattern,
             load: vec![T::splat(0.0); coordinates.len()],
             full: vec![T::splat(0.0); model.nv],
-            arms: vec![T::splat(0.0); most],
+            arms,
+            held: zeros.clone(),
+            slack: zeros,
         }
     }
 
@@ -93,11 +103,7 @@ impl<T: Real> Dynamics<T> {
 
     /// Columns of zeros for the muscles, where theirs have entries.
     pub fn columns(&self) -> Columns<T> {
-        let mut columns = Columns::default();
-        for crossing in &self.crossing {
-            columns.push(&self.pattern, crossing.rows.iter().map(|&row| (row, T::splat(0.0))));
-        }
-        columns
+        self.arms.clone()
     }
 
     /// Fills the equations for forces held over `hold` (T, s), and the generalised force of each muscle at full activation, in
@@ -118,8 +124,10 @@ impl<T: Real> Dynamics<T> {
         self.project_inertia(workspace, slopes);
         self.fill_load(model, workspace, (coordinates, slopes));
         for index in 0..self.crossing.len() {
-            self.add_muscle(index, (state, workspace), slopes, hold, columns.values_mut(index));
+            self.fill_muscle(index, (state, workspace), slopes, hold, columns.values_mut());
         }
+        self.arms.add_scaled(&self.slack, &mut self.load);
+        self.arms.add_squares(&self.held, &self.pattern, &mut self.inertia);
         let hold = T::splat(hold);
         for (dof, &damping) in state.damping.iter().enumerate() {
             if let Some(column) = coordinates.of(dof) {
@@ -164,16 +172,16 @@ impl<T: Real> Dynamics<T> {
     }
 
     #[inline(always)]
-    fn add_muscle(
+    fn fill_muscle(
         &mut self,
         index: usize,
         (state, workspace): (&State<T>, &Workspace<T>),
         slopes: &Slopes<T>,
         hold: f64,
-        column: &mut [T],
+        columns: &mut [T],
     ) {
-        let Crossing { actuator, muscle, rows, depths, places } = &self.crossing[index];
-        let arms = &mut self.arms[..rows.len()];
+        let Crossing { actuator, muscle, values, places, .. } = &self.crossing[index];
+        let arms = &mut self.arms.values_mut()[values.clone()];
         arms.fill(T::splat(0.0));
         for ((dof, arm), place) in self.moments.row(&workspace.kinematics, &workspace.tendons, muscle.tendon).zip(places) {
             if let Some(place) = *place {
@@ -182,25 +190,15 @@ impl<T: Real> Dynamics<T> {
         }
         let gear = T::splat(muscle.gear);
         let (strength, passive) = (gear * workspace.actuation.gain[*actuator], gear * workspace.actuation.bias[*actuator]);
-        for ((&row, &arm), value) in rows.iter().zip(&*arms).zip(column) {
+        for (&arm, value) in arms.iter().zip(&mut columns[values.clone()]) {
             T::apart();
             *value = arm * strength;
-            self.load[row] -= arm * passive;
         }
         let activation = state.activation[muscle.activation];
         let damping = gear * gear * activation * workspace.actuation.active_damping(state, *actuator);
-        let damps = T::splat(0.0).less(damping);
-        if T::any(damps) {
-            let held = T::splat(hold) * T::select(damps, damping, T::splat(0.0));
-            for (count, (&row, &arm)) in rows.iter().zip(&*arms).enumerate() {
-                let target = &mut self.inertia[self.pattern.row[row].clone()];
-                let weighted = held * arm;
-                for (&depth, &other) in depths[..=count].iter().zip(&*arms) {
-                    T::apart();
-                    target[depth] += weighted * other;
-                }
-            }
-        }
+        let zero = T::splat(0.0);
+        self.held[index] = T::splat(hold) * T::select(zero.less(damping), damping, zero);
+        self.slack[index] = -passive;
     }
 }
 

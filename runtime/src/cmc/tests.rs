@@ -158,9 +158,8 @@ fn the_required_force_is_that_of_the_equations_of_motion() {
     dynamics.update((&model, &state, &workspace), (&coordinates, &slopes), 0.0, &mut columns);
     let mut found = vec![0.0; coordinates.len()];
     dynamics.required_force(&wanted, &mut found);
-    for (muscle, activation) in state.activation.iter().enumerate() {
-        columns.add_scaled(muscle, -activation, &mut found);
-    }
+    let relaxing: Vec<f64> = state.activation.iter().map(|activation| -activation).collect();
+    columns.add_scaled(&relaxing, &mut found);
 
     let moved = |dof: usize| coordinates.of(dof).map_or(0.0, |column| slopes.of(dof) * wanted[column]);
     let acceleration: Vec<f64> = (0..model.nv).map(|dof| slopes.drift[dof] + moved(dof)).collect();

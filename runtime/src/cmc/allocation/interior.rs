@@ -16,8 +16,9 @@ use msk_physics::{Instructions, LaneWork};
 
 /// How near to its bounds a step may go, as a share of the way.
 const NEARLY: f64 = 0.995;
-/// Distance from its bounds at which an unknown begins, as a share of what is between them, or of 1.
-const INSET: f64 = 0.3;
+/// How far above its lower bound an unknown begins at most; it does so in the middle between bounds that are nearer. Where the last answer has left
+/// it is no better: most unknowns that change stand at a bound, and the steps away from there are short.
+const INSET: f64 = 0.5;
 /// What share of the cost of the force that is missing at the beginning the products of slacks and prices add up to at least: with
 /// smaller ones the way to that force would lead along the bounds, and the steps would be short.
 const OPENING: f64 = 0.3;
@@ -44,35 +45,54 @@ pub(super) struct Interior<T: Real> {
     y: Vec<T>,
     change: Vec<T>,
     matrix: Vec<T>,
+    /// The mean product of a slack and its price.
+    gap: T,
+    /// Of each unknown: by how much x yields to a force, 0 where it is fixed; minus the step at no change of y; the change of a·y.
+    yields: Vec<T>,
+    pushes: Vec<T>,
+    pulls: Vec<T>,
 }
 
-/// An unknown between its bounds.
+/// An unknown between its bounds. With lanes all of them together are larger than the cache next to the core, so nothing is in it that
+/// takes less time to compute.
 #[derive(Debug, Clone, Copy)]
 struct Interval<T> {
-    x: T,
-    /// Above the lower bound, and below the upper one.
+    /// Of x above the lower bound, and below the upper one; 1 where it is fixed.
     slack: [T; 2],
-    /// Of these slacks.
+    /// Of these slacks; 0 where it is fixed.
     price: [T; 2],
-    /// a·y
-    pull: T,
-    /// One over each slack, and how stiff its price makes it.
+    /// One over each slack; 0 where it is fixed.
     inverse: [T; 2],
-    stiffness: [T; 2],
-    /// By how much x yields to a force; 0 where it is fixed.
-    yields: T,
-    /// What moves x at y as it is.
+    /// 1, or 0 where it is fixed.
+    moves: T,
+    /// a·y - r x: what moves x.
     push: T,
-    /// The step: of x, of a·y and of the prices.
+    /// The step: of x and of the prices. One that is not taken yet, or none.
     change: T,
-    pull_change: T,
     price_change: [T; 2],
 }
 
 impl<T: Real> Interval<T> {
+    /// Takes the step, with which a·y changes by `pull_change`.
     #[inline(always)]
-    fn is_free(&self) -> T::Mask {
-        T::splat(0.0).less(self.yields)
+    fn advance(&mut self, stride: &Stride<T>, cost: T, pull_change: T) {
+        let Self { change, price_change, .. } = *self;
+        self.slack = [stride.from(self.slack[0], change), stride.from(self.slack[1], -change)];
+        self.price = [stride.from(self.price[0], price_change[0]), stride.from(self.price[1], price_change[1])];
+        self.push = stride.from(self.push, pull_change - cost * change);
+    }
+
+    /// Fills the inverse slacks; gives by how much x yields to a force.
+    #[inline(always)]
+    fn stiffen(&mut self, cost: T) -> T {
+        let Self { slack: [below, above], price: [low, high], moves, .. } = *self;
+        // One division in place of three, each of which takes as long as sixteen products.
+        let product = below * above;
+        let stiff = cost * product + low * above + high * below;
+        let shared = moves / (product * stiff);
+        let inverse = shared * stiff;
+        self.inverse = [above * inverse, below * inverse];
+        product * product * shared
     }
 }
 
@@ -80,11 +100,20 @@ impl<T: Real> Interior<T> {
     /// Memory for systems of `rows` rows.
     pub fn new(rows: usize) -> Self {
         let zeros = || vec![T::splat(0.0); rows];
-        Self { intervals: Vec::new(), missing: zeros(), y: zeros(), change: zeros(), matrix: Vec::new() }
+        Self {
+            intervals: Vec::new(),
+            missing: zeros(),
+            y: zeros(),
+            change: zeros(),
+            matrix: Vec::new(),
+            gap: T::splat(0.0),
+            yields: Vec::new(),
+            pushes: Vec::new(),
+            pulls: Vec::new(),
+        }
     }
 
-    /// Improves the unknowns `x` and the multiplier `y` of the lanes that try from what they are. Both stay as they are where it
-    /// leads nowhere.
+    /// Finds the unknowns `x` of the lanes that try, from their multiplier `y` on, and improves that. Both stay as they are where it leads nowhere.
     pub fn solve(&mut self, problem: &Problem<'_, T>, target: Target, tries: T::Mask, x: &mut [T], y: &mut [T]) {
         self.y.copy_from_slice(y);
         self.matrix.resize(problem.inertia.len(), T::splat(0.0));
@@ -97,7 +126,7 @@ impl<T: Real> Interior<T> {
                 // From a multiplier that belongs to quite another problem the products may go round in a circle.
                 Instructions::default().run(Forget { interior: self, problem, x });
             }
-            let search = Search { interior: self, problem, target, tries: waits, x: &*x };
+            let search = Search { interior: self, problem, target, tries: waits };
             let found = Instructions::default().run(search);
             self.keep(problem, T::and(waits, found), x, y);
             waits = T::and(waits, T::not(found));
@@ -111,13 +140,13 @@ impl<T: Real> Interior<T> {
         }
         for ((x, interval), unknown) in x.iter_mut().zip(&self.intervals).zip(problem.unknowns) {
             // Slacks stay positive, their sums with the bounds only nearly.
-            *x = T::select(found, interval.x.clip(unknown.low, unknown.high), *x);
+            *x = T::select(found, (unknown.low + interval.moves * interval.slack[0]).clip(unknown.low, unknown.high), *x);
         }
     }
 
     /// Puts every unknown inside of its bounds, with prices that balance it as far as possible.
     #[inline(always)]
-    fn begin(&mut self, problem: &Problem<'_, T>, x: &[T]) {
+    fn begin(&mut self, problem: &Problem<'_, T>) {
         let Problem { pattern, inertia, columns, unknowns, wanted, count } = *problem;
         let [zero, one, half] = [0.0, 1.0, 0.5].map(T::splat);
         let count = count.at_least(one);
@@ -126,44 +155,39 @@ impl<T: Real> Interior<T> {
             T::apart();
             *missing = wanted - *missing;
         }
+        for values in [&mut self.yields, &mut self.pushes, &mut self.pulls] {
+            values.resize(unknowns.len(), zero);
+        }
+        for (push, &Unknown { low, high, .. }) in self.pushes.iter_mut().zip(unknowns) {
+            T::apart();
+            // Minus where it begins.
+            *push = -low - T::select(T::splat(FIXED).less(high - low), (half * (high - low)).at_most(T::splat(INSET)), zero);
+        }
+        columns.add_scaled(&self.pushes, &mut self.missing);
+        columns.dots(&self.y, &mut self.pulls);
         self.intervals.clear();
         let mut excess = zero;
-        for (index, (unknown, &x)) in unknowns.iter().zip(x).enumerate() {
-            let Unknown { low, high, cost } = *unknown;
-            let free = T::splat(FIXED).less(high - low);
-            let inset = T::splat(INSET) * (high - low).at_most(one);
-            let x = T::select(free, x.clip(low + inset, high - inset), low);
+        for ((&Unknown { low, high, cost }, &push), pull) in unknowns.iter().zip(&self.pushes).zip(&mut self.pulls) {
+            T::apart();
+            let (x, free) = (-push, T::splat(FIXED).less(high - low));
             let slack = [T::select(free, x - low, one), T::select(free, high - x, one)];
-            columns.add_scaled(index, -x, &mut self.missing);
-            let pull = columns.dot(index, &self.y);
-            excess += T::select(free, (cost * x - pull).abs() * slack[0].at_most(slack[1]), zero);
-            let yields = T::select(free, one, zero);
-            let none = [zero; 2];
-            self.intervals.push(Interval {
-                x,
-                slack,
-                pull,
-                yields,
-                price: none,
-                inverse: none,
-                stiffness: none,
-                push: zero,
-                change: zero,
-                pull_change: zero,
-                price_change: none,
-            });
+            let push = *pull - cost * x;
+            excess += T::select(free, push.abs() * slack[0].at_most(slack[1]), zero);
+            let (none, moves) = ([zero; 2], T::select(free, one, zero));
+            self.intervals.push(Interval { slack, price: none, inverse: none, moves, push, change: zero, price_change: none });
+            *pull = zero;
         }
         let opening = T::splat(OPENING) * self.missing_cost(problem);
         let mean = (excess.at_least(opening) / count).at_least(T::splat(1e-9));
-        for (interval, unknown) in self.intervals.iter_mut().zip(unknowns) {
+        for interval in &mut self.intervals {
+            T::apart();
             // λ - μ = r x - a·y, and products about the mean.
-            let difference = unknown.cost * interval.x - interval.pull;
+            let difference = -interval.push;
             let product = mean * mean / (interval.slack[0] * interval.slack[1]);
             let larger = half * (difference.abs() + (difference * difference + T::splat(4.0) * product).sqrt());
             let (smaller, pulled) = (product / larger, zero.less(difference));
             let [below, above] = [T::select(pulled, larger, smaller), T::select(pulled, smaller, larger)];
-            let free = interval.is_free();
-            interval.price = [T::select(free, below, zero), T::select(free, above, zero)];
+            interval.price = [interval.moves * below, interval.moves * above];
         }
     }
 
@@ -182,97 +206,79 @@ impl<T: Real> Interior<T> {
         T::splat(0.5) * cost
     }
 
-    /// The mean product of slacks and prices after `length` of the step.
+    /// The mean product of slacks and prices.
     #[inline(always)]
-    fn gap(&self, problem: &Problem<'_, T>, length: T) -> T {
+    fn gap(&self, problem: &Problem<'_, T>) -> T {
         let mut sum = T::splat(0.0);
-        for interval in &self.intervals {
+        for Interval { slack, price, .. } in &self.intervals {
             T::apart();
-            let &Interval { slack, price, change, price_change, .. } = interval;
-            sum += (slack[0] + length * change) * (price[0] + length * price_change[0]);
-            sum += (slack[1] - length * change) * (price[1] + length * price_change[1]);
+            sum += slack[0] * price[0] + slack[1] * price[1];
         }
-        sum / (T::splat(2.0) * problem.count).at_least(T::splat(1.0))
+        sum / pairs(problem)
     }
 
+    /// Takes the last step, factors the matrix there, and aims at products of zero.
     #[inline(always)]
-    fn factor(&mut self, problem: &Problem<'_, T>) {
-        self.matrix.copy_from_slice(problem.inertia);
-        for (index, (interval, unknown)) in self.intervals.iter_mut().zip(problem.unknowns).enumerate() {
-            let free = interval.is_free();
-            if T::any(free) {
-                let Interval { slack, price, .. } = *interval;
-                let inverse = [T::splat(1.0) / slack[0], T::splat(1.0) / slack[1]];
-                (interval.inverse, interval.stiffness) = (inverse, [price[0] * inverse[0], price[1] * inverse[1]]);
-                let yields = T::splat(1.0) / (unknown.cost + interval.stiffness[0] + interval.stiffness[1]);
-                interval.yields = T::select(free, yields, T::splat(0.0));
-                problem.columns.add_square(index, interval.yields, problem.pattern, &mut self.matrix);
-            }
-        }
-        problem.pattern.layout().factor(&mut self.matrix);
-    }
-
-    /// Fills the step towards the products that `aim` gives for each pair of slack and price.
-    #[inline(always)]
-    fn step(&mut self, problem: &Problem<'_, T>, aim: impl Fn(&Interval<T>) -> [T; 2]) {
-        let Problem { pattern, columns, unknowns, .. } = *problem;
-        let zero = T::splat(0.0);
+    fn predict(&mut self, problem: &Problem<'_, T>, stride: &Stride<T>) {
+        let Problem { pattern, inertia, columns, unknowns, .. } = *problem;
+        self.matrix.copy_from_slice(inertia);
+        self.advance(stride);
         self.change.copy_from_slice(&self.missing);
-        for (index, (interval, unknown)) in self.intervals.iter_mut().zip(unknowns).enumerate() {
-            let free = interval.is_free();
-            if !T::any(free) {
-                continue;
-            }
-            let aim = aim(interval);
-            let Interval { x, inverse, price, pull, .. } = *interval;
-            let aimed = [aim[0] * inverse[0], aim[1] * inverse[1]];
-            interval.price_change = [T::select(free, aimed[0] - price[0], zero), T::select(free, aimed[1] - price[1], zero)];
-            // With the prices that the aim asks for, r x - a·y - λ + μ is minus this.
-            interval.push = pull - unknown.cost * x + aimed[0] - aimed[1];
-            columns.add_scaled(index, -(interval.yields * interval.push), &mut self.change);
-        }
-        pattern.layout().solve(&self.matrix, &mut self.change);
-        for (index, interval) in self.intervals.iter_mut().enumerate() {
-            if !T::any(interval.is_free()) {
-                continue;
-            }
-            let Interval { stiffness, push, yields, .. } = *interval;
-            interval.pull_change = columns.dot(index, &self.change);
-            interval.change = yields * (push + interval.pull_change);
-            interval.price_change[0] -= stiffness[0] * interval.change;
-            interval.price_change[1] += stiffness[1] * interval.change;
-        }
-    }
-
-    /// The longest step, up to 1, that leaves slacks and prices at zero or above.
-    #[inline(always)]
-    fn length(&self) -> T {
-        let mut length = T::splat(1.0);
-        for interval in &self.intervals {
-            let &Interval { slack, price, change, price_change, .. } = interval;
-            let ways = [(slack[0], change), (slack[1], -change), (price[0], price_change[0]), (price[1], price_change[1])];
-            for (value, change) in ways {
-                let beyond = (value + length * change).less(T::splat(0.0));
-                if T::any(beyond) {
-                    length = T::select(beyond, -value / change, length);
-                }
-            }
-        }
-        length
-    }
-
-    /// Takes the step in the lanes that are `active`, and leaves the others where they are.
-    #[inline(always)]
-    fn advance(&mut self, length: T, active: T::Mask) {
-        let stride = Stride { length, active };
-        for interval in &mut self.intervals {
+        let outputs = self.yields.iter_mut().zip(&mut self.pushes).zip(&self.pulls);
+        for ((interval, unknown), ((yields, push), &pull_change)) in self.intervals.iter_mut().zip(unknowns).zip(outputs) {
             T::apart();
-            interval.x = stride.from(interval.x, interval.change);
-            interval.slack = [stride.from(interval.slack[0], interval.change), stride.from(interval.slack[1], -interval.change)];
-            interval.pull = stride.from(interval.pull, interval.pull_change);
-            let Interval { price, price_change, .. } = *interval;
-            interval.price = [stride.from(price[0], price_change[0]), stride.from(price[1], price_change[1])];
+            interval.advance(stride, unknown.cost, pull_change);
+            *yields = interval.stiffen(unknown.cost);
+            *push = -(*yields * interval.push);
         }
+        columns.add_scaled(&self.pushes, &mut self.change);
+        columns.add_squares(&self.yields, pattern, &mut self.matrix);
+        pattern.layout().factor(&mut self.matrix);
+    }
+
+    /// Aims at products of `centre`, and makes up for what the step just found would change in them at second order.
+    #[inline(always)]
+    fn correct(&mut self, problem: &Problem<'_, T>, centre: T) {
+        self.change.copy_from_slice(&self.missing);
+        for ((interval, &yields), push) in self.intervals.iter_mut().zip(&self.yields).zip(&mut self.pushes) {
+            T::apart();
+            let Interval { inverse, push: moving, change, price_change, .. } = *interval;
+            let aim = [centre - change * price_change[0], centre + change * price_change[1]];
+            let aimed = [aim[0] * inverse[0], aim[1] * inverse[1]];
+            // With the prices that the aim asks for, r x - a·y - λ + μ is minus this.
+            *push = -(yields * (moving + (aimed[0] - aimed[1])));
+            interval.price_change = aimed;
+        }
+        problem.columns.add_scaled(&self.pushes, &mut self.change);
+    }
+
+    /// Fills the step towards the prices that stand in the place of their changes where it `AIMS` at some, else at none; gives how far it may go.
+    #[inline(always)]
+    fn step<const AIMS: bool>(&mut self, problem: &Problem<'_, T>) -> Way<T> {
+        problem.pattern.layout().solve(&self.matrix, &mut self.change);
+        let zero = T::splat(0.0);
+        let mut way = Way { length: T::splat(1.0), products: [zero; 3] };
+        problem.columns.dots(&self.change, &mut self.pulls);
+        let inputs = self.yields.iter().zip(&self.pushes).zip(&self.pulls);
+        for (interval, ((&yields, &push), &pull_change)) in self.intervals.iter_mut().zip(inputs) {
+            T::apart();
+            let Interval { slack, price, inverse, .. } = *interval;
+            let aim = if AIMS { interval.price_change } else { [zero; 2] };
+            let change = yields * pull_change - push;
+            let price_change =
+                [(aim[0] - price[0]) - price[0] * (inverse[0] * change), (aim[1] - price[1]) + price[1] * (inverse[1] * change)];
+            (interval.change, interval.price_change) = (change, price_change);
+            way.shorten([slack[0], slack[1], price[0], price[1]], [change, -change, price_change[0], price_change[1]]);
+            way.products[0] += slack[0] * price[0] + slack[1] * price[1];
+            way.products[1] += slack[0] * price_change[0] + slack[1] * price_change[1] + change * (price[0] - price[1]);
+            way.products[2] += change * (price_change[0] - price_change[1]);
+        }
+        way
+    }
+
+    /// Takes the step of what all unknowns share.
+    #[inline(always)]
+    fn advance(&mut self, stride: &Stride<T>) {
         for (y, &change) in self.y.iter_mut().zip(&self.change) {
             T::apart();
             *y = stride.from(*y, change);
@@ -282,6 +288,44 @@ impl<T: Real> Interior<T> {
             // The equation is linear: the full step would leave nothing.
             *missing = stride.from(*missing, -*missing);
         }
+    }
+}
+
+/// Number of slacks with a price.
+#[inline(always)]
+fn pairs<T: Real>(problem: &Problem<'_, T>) -> T {
+    (T::splat(2.0) * problem.count).at_least(T::splat(1.0))
+}
+
+/// How far a step may go.
+struct Way<T> {
+    /// The longest step, up to 1, that leaves slacks and prices at zero or above.
+    length: T,
+    /// The sum of the products of slacks and prices is a polynomial of the length.
+    products: [T; 3],
+}
+
+impl<T: Real> Way<T> {
+    /// Keeps the values from becoming negative. Few of all shorten the way, so they are looked at one by one where any does.
+    #[inline(always)]
+    fn shorten(&mut self, values: [T; 4], changes: [T; 4]) {
+        let zero = T::splat(0.0);
+        let mut least = values[0] + self.length * changes[0];
+        for k in 1..4 {
+            least = least.at_most(values[k] + self.length * changes[k]);
+        }
+        if T::any(least.less(zero)) {
+            for k in 0..4 {
+                let beyond = (values[k] + self.length * changes[k]).less(zero);
+                self.length = T::select(beyond, -values[k] / changes[k], self.length);
+            }
+        }
+    }
+
+    /// The sum of the products after so much of the step.
+    #[inline(always)]
+    fn sum(&self, length: T) -> T {
+        self.products[0] + length * (self.products[1] + length * self.products[2])
     }
 }
 
@@ -298,13 +342,12 @@ impl<T: Real> Stride<T> {
     }
 }
 
-/// Steps from `x` and the present multiplier on.
+/// Steps from the present multiplier on.
 struct Search<'a, T: Real> {
     interior: &'a mut Interior<T>,
     problem: &'a Problem<'a, T>,
     target: Target,
     tries: T::Mask,
-    x: &'a [T],
 }
 
 impl<T: Real> LaneWork for Search<'_, T> {
@@ -313,13 +356,18 @@ impl<T: Real> LaneWork for Search<'_, T> {
 
     #[inline(always)]
     fn run(self) -> T::Mask {
-        let Self { interior, problem, target, tries, x } = self;
-        interior.begin(problem, x);
+        let Self { interior, problem, target, tries } = self;
+        interior.begin(problem);
         let zero = T::splat(0.0);
         let residual = T::splat(target.residual) * problem.scale();
         let (mut active, mut found) = (tries, zero.less(zero));
+        interior.gap = interior.gap(problem);
+        let mut stride = Stride { length: zero, active };
         for taken in 0..=STEPS {
-            let (gap, missing) = (interior.gap(problem, zero), largest(&interior.missing));
+            // Read back from memory, or the compiler takes the sums over all unknowns apart into the lanes of which it asks here whether any goes on.
+            T::apart();
+            let gap = interior.gap;
+            let missing = (T::splat(1.0) - stride.length) * largest(&interior.missing);
             let near = T::and(T::not(T::splat(target.gap).less(gap)), T::not(residual.less(missing)));
             let sound = T::and(is_finite(gap), is_finite(missing));
             active = T::and(active, sound);
@@ -328,25 +376,22 @@ impl<T: Real> LaneWork for Search<'_, T> {
             if taken == STEPS || !T::any(active) {
                 break;
             }
-            interior.factor(problem);
-            interior.step(
-                problem,
-                #[inline(always)]
-                |_| [zero; 2],
-            );
-            let expected = interior.gap(problem, interior.length()) / gap;
-            let centre = expected * expected * expected * gap;
-            interior.step(
-                problem,
-                #[inline(always)]
-                |interval| {
-                    let [below, above] = interval.price_change;
-                    [centre - interval.change * below, centre + interval.change * above]
-                },
-            );
-            interior.advance(T::splat(NEARLY) * interior.length(), active);
+            interior.predict(problem, &stride);
+            let way = interior.step::<false>(problem);
+            let expected = way.sum(way.length) / way.products[0];
+            let centre = expected * expected * expected * way.products[0] / pairs(problem);
+            interior.correct(problem, centre);
+            let way = interior.step::<true>(problem);
+            stride = Stride { length: T::splat(NEARLY) * way.length, active };
+            interior.gap = way.sum(stride.length) / pairs(problem);
+        }
+        interior.advance(&stride);
+        for ((interval, unknown), &pull_change) in interior.intervals.iter_mut().zip(problem.unknowns).zip(&interior.pulls) {
+            T::apart();
+            interval.advance(&stride, unknown.cost, pull_change);
         }
         for &y in &interior.y {
+            T::apart();
             found = T::and(found, is_finite(y));
         }
         found
@@ -365,9 +410,14 @@ impl<T: Real> LaneWork for Forget<'_, T> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { interior: Interior { y, matrix, .. }, problem: Problem { pattern, inertia, columns, wanted, .. }, x } = self;
+        let Self { interior: Interior { y, matrix, pushes, .. }, problem: Problem { pattern, inertia, columns, wanted, .. }, x } =
+            self;
         y.copy_from_slice(wanted);
-        x.iter().enumerate().for_each(|(index, &x)| columns.add_scaled(index, -x, y));
+        for (push, &x) in pushes.iter_mut().zip(x) {
+            T::apart();
+            *push = -x;
+        }
+        columns.add_scaled(pushes, y);
         matrix.copy_from_slice(inertia);
         pattern.layout().factor(matrix);
         pattern.layout().solve(matrix, y);

@@ -74,7 +74,7 @@ fn largest<T: Real>(values: &[T]) -> T {
 pub(super) struct Memory {
     /// y: the acceleration that the remaining error would cause.
     multiplier: Vec<f64>,
-    /// Allocations for which Newton's method is not tried: it did not find an answer a short time ago.
+    /// How many allocations from here Newton's method is tried again, which did not find an answer a short time ago; 0 where it did.
     wait: f64,
 }
 
@@ -109,8 +109,10 @@ pub(super) struct Effort {
     last: usize,
 }
 
-/// For so many allocations after one in which Newton's method found no answer it is not tried: a state that was violent a moment ago still is.
-const PATIENCE: f64 = 8.0;
+/// The next try of Newton's method after one that found no answer is so many allocations later: a state that was violent a moment ago still is.
+const PATIENCE: f64 = 9.0;
+/// And it takes so many steps at most: what has calmed down takes three to six.
+const RETRY: usize = 8;
 
 impl Effort {
     /// For what is acted on. A body that is pushed takes up to seventeen Newton steps, which is less work than the other method.
@@ -138,21 +140,22 @@ impl<T: Real> Allocation<T> {
         self.x.clear();
         self.x.resize(problem.unknowns.len(), T::splat(0.0));
         let [zero, one, patience] = [0.0, 1.0, PATIENCE].map(T::splat);
-        let waited = zero.less(self.wait);
-        let found = self.newton(problem, tolerance, first, T::and(among, T::not(waited)));
+        let waits = one.less(self.wait);
+        let steps = T::select(zero.less(self.wait), T::splat(first.min(RETRY) as f64), T::splat(first as f64));
+        let found = self.newton(problem, tolerance, steps, T::and(among, T::not(waits)));
         let left = T::and(among, T::not(found));
-        let wait = T::select(found, zero, T::select(waited, self.wait - one, patience));
+        let wait = T::select(found, zero, T::select(waits, self.wait - one, patience));
         self.wait = T::select(among, wait, self.wait);
         if !T::any(left) {
             return found;
         }
         self.interior.solve(problem, target, left, &mut self.x, &mut self.multiplier);
-        if last > 0 { T::or(found, self.newton(problem, tolerance, last, left)) } else { found }
+        if last > 0 { T::or(found, self.newton(problem, tolerance, T::splat(last as f64), left)) } else { found }
     }
 
     /// Newton steps in the lanes that try, `most` at most, after which `x` is what the multiplier asks for; gives the lanes in which it
     /// is the answer.
-    fn newton(&mut self, problem: &Problem<'_, T>, tolerance: f64, most: usize, tries: T::Mask) -> T::Mask {
+    fn newton(&mut self, problem: &Problem<'_, T>, tolerance: f64, most: T, tries: T::Mask) -> T::Mask {
         let Self { newton, multiplier, x, .. } = self;
         Instructions::default().run(Search { newton, problem, tolerance, most, tries, multiplier, x })
     }

@@ -19,6 +19,8 @@ pub(super) struct Newton<T> {
     /// aᵢ·y / rᵢ before clamping, and how it changes along the search direction.
     free: Vec<T>,
     slope: Vec<T>,
+    /// One over the cost where an unknown is between its bounds.
+    yields: Vec<T>,
     gradient: Vec<T>,
     direction: Vec<T>,
     hessian: Vec<T>,
@@ -31,7 +33,7 @@ pub(super) struct Search<'a, T: Real> {
     /// Relative size of F at which the answer is taken.
     pub tolerance: f64,
     /// Steps at most.
-    pub most: usize,
+    pub most: T,
     /// The lanes that take steps; in others `x` is only evaluated.
     pub tries: T::Mask,
     pub multiplier: &'a mut [T],
@@ -43,7 +45,14 @@ impl<T: Real> Newton<T> {
     /// Memory for systems of `rows` rows.
     pub fn new(rows: usize) -> Self {
         let zeros = || vec![T::splat(0.0); rows];
-        Self { free: Vec::new(), slope: Vec::new(), gradient: zeros(), direction: zeros(), hessian: Vec::new() }
+        Self {
+            free: Vec::new(),
+            slope: Vec::new(),
+            yields: Vec::new(),
+            gradient: zeros(),
+            direction: zeros(),
+            hessian: Vec::new(),
+        }
     }
 
     /// Unknowns and gradient F at a multiplier.
@@ -55,24 +64,25 @@ impl<T: Real> Newton<T> {
             T::apart();
             *total -= wanted;
         }
-        for (index, unknown) in unknowns.iter().enumerate() {
-            self.free[index] = columns.dot(index, multiplier) / unknown.cost;
-            x[index] = self.free[index].clip(unknown.low, unknown.high);
-            columns.add_scaled(index, x[index], &mut self.gradient);
+        columns.dots(multiplier, &mut self.free);
+        for ((unknown, free), x) in unknowns.iter().zip(&mut self.free).zip(&mut *x) {
+            T::apart();
+            *free /= unknown.cost;
+            *x = free.clip(unknown.low, unknown.high);
         }
+        columns.add_scaled(x, &mut self.gradient);
     }
 
     #[inline(always)]
     fn find_direction(&mut self, problem: &Problem<'_, T>) {
         let Problem { pattern, inertia, columns, unknowns, .. } = *problem;
         self.hessian.copy_from_slice(inertia);
-        for (index, unknown) in unknowns.iter().enumerate() {
-            let between = T::and(unknown.low.less(self.free[index]), self.free[index].less(unknown.high));
-            if T::any(between) {
-                let weight = T::select(between, T::splat(1.0) / unknown.cost, T::splat(0.0));
-                columns.add_square(index, weight, pattern, &mut self.hessian);
-            }
+        for ((unknown, &free), yields) in unknowns.iter().zip(&self.free).zip(&mut self.yields) {
+            T::apart();
+            let between = T::and(unknown.low.less(free), free.less(unknown.high));
+            *yields = T::select(between, T::splat(1.0) / unknown.cost, T::splat(0.0));
         }
+        columns.add_squares(&self.yields, pattern, &mut self.hessian);
         for (direction, &gradient) in self.direction.iter_mut().zip(&self.gradient) {
             T::apart();
             *direction = -gradient;
@@ -99,8 +109,10 @@ impl<T: Real> Newton<T> {
             start += multiplier[row] * self.gradient[row] - self.direction[row] * wanted[row];
             curvature += self.direction[row] * self.gradient[row];
         }
-        for (index, unknown) in unknowns.iter().enumerate() {
-            self.slope[index] = columns.dot(index, &self.direction) / unknown.cost;
+        columns.dots(&self.direction, &mut self.slope);
+        for (slope, unknown) in self.slope.iter_mut().zip(unknowns) {
+            T::apart();
+            *slope /= unknown.cost;
         }
         Line { start, curvature, problem, free: &self.free, slope: &self.slope }.root(T::splat(FLAT) * falls.abs(), goes_on)
     }
@@ -113,17 +125,18 @@ impl<T: Real> LaneWork for Search<'_, T> {
     #[inline(always)]
     fn run(self) -> T::Mask {
         let Self { newton, problem, tolerance, most, tries, multiplier, x } = self;
-        newton.free.resize(problem.unknowns.len(), T::splat(0.0));
-        newton.slope.resize(problem.unknowns.len(), T::splat(0.0));
+        for values in [&mut newton.free, &mut newton.slope, &mut newton.yields] {
+            values.resize(problem.unknowns.len(), T::splat(0.0));
+        }
         newton.hessian.resize(problem.inertia.len(), T::splat(0.0));
         let tolerance = T::splat(tolerance) * problem.scale();
-        let mut step = 0;
+        let mut taken = T::splat(0.0);
         loop {
             // Lanes that take no step come to what they had.
             newton.evaluate(problem, multiplier, x);
             let found = T::not(tolerance.less(largest(&newton.gradient)));
-            let goes_on = T::and(tries, T::not(found));
-            if step == most || !T::any(goes_on) {
+            let goes_on = T::and(T::and(tries, T::not(found)), taken.less(most));
+            if !T::any(goes_on) {
                 return found;
             }
             newton.find_direction(problem);
@@ -132,7 +145,7 @@ impl<T: Real> LaneWork for Search<'_, T> {
                 T::apart();
                 *y = T::select(goes_on, *y + length * direction, *y);
             }
-            step += 1;
+            taken += T::splat(1.0);
         }
     }
 }

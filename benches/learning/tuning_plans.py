@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""Tuning by planned behaviour: three tasks that begin with the weights of `tuning_plans.toml`, under which a body stands instead.
+
+    python3 benches/learning/tuning_plans.py results/tuning-plans
+
+Each task is tuned twice, from the root of the project. By `msk tune --policy plan` with the reasoner `rules`; and by an agent, which is a
+script here: it plays episodes with `msk eval --policy plan`, and through the tools of `msk mcp` reads what came of them, proposes weights and
+applies them to a weights file. The script knows nothing of the task. It doubles what pays less than a quarter of what it could, and halves what
+pays nearly all of it, until every episode of a round succeeds.
+
+Writes `tuning_plans.csv`, a line per round with its success and weights, to the folder. Whatever is there already is not run again.
+"""
+import argparse
+import csv
+import json
+import subprocess
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+START = HERE / "tuning_plans.toml"
+# Episodes of a round, and control steps of each.
+ROUNDS = {"squat": (2, 1000), "reach": (4, 500), "walk": (3, 1000)}
+STEP, MOST = 0.5, 10
+
+
+class Server:
+    """A client of `msk mcp` over its standard input and output."""
+
+    def __init__(self, msk):
+        self.process = subprocess.Popen([msk, "mcp"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.asked = 0
+        client = {"name": "tuning_plans", "version": "1"}
+        self.ask("initialize", {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": client})
+        self.send({"method": "notifications/initialized"})
+
+    def send(self, message):
+        self.process.stdin.write(json.dumps({"jsonrpc": "2.0", **message}) + "\n")
+        self.process.stdin.flush()
+
+    def ask(self, method, parameters):
+        self.asked += 1
+        self.send({"id": self.asked, "method": method, "params": parameters})
+        answer = json.loads(self.process.stdout.readline())
+        if "error" in answer or answer["result"].get("isError"):
+            raise RuntimeError(f"{method} {parameters}: {answer}")
+        return answer["result"]
+
+    def call(self, tool, **arguments):
+        return self.ask("tools/call", {"name": tool, "arguments": arguments})["structuredContent"]
+
+
+def by_rules(msk, out, task):
+    """The rounds of a session with the reasoner `rules`."""
+    episodes, steps = ROUNDS[task]
+    numbers = {"step": STEP, "rounds": MOST, "interval": episodes * steps}
+    options = [word for name, value in numbers.items() for word in (f"--{name}", str(value))]
+    command = [msk, "tune", task, "--policy", "plan", "--weights", str(START), *options, "--out", str(out / "rules")]
+    subprocess.run(command, check=True)
+    for line in (out / "rules" / "rounds.jsonl").read_text().splitlines():
+        found = json.loads(line)
+        yield found["statistics"]["success_rate"], dict(found["weights"])
+
+
+def wish(terms, found):
+    """What the scripted agent makes of the mean values of the terms."""
+    weights = {}
+    for term in terms:
+        top, mean = term["value_range"][1], found[term["term"]]
+        if term["weight"] <= 0 or not top:
+            continue
+        share = mean / top
+        weights[term["term"]] = term["weight"] * (2 if share < 0.25 else 0.5 if share > 0.95 else 1)
+    return weights
+
+
+def by_agent(msk, out, task):
+    """The rounds of the scripted agent."""
+    episodes, _ = ROUNDS[task]
+    server, weights = Server(msk), out / "agent" / "weights.toml"
+    weights.parent.mkdir(parents=True, exist_ok=True)
+    if not weights.exists():
+        weights.write_text(START.read_text())
+    overlay = str(weights.relative_to(Path.cwd()))
+    for round in range(1, MOST + 1):
+        folder = weights.parent / f"round-{round}"
+        kept = weights.parent / f"round-{round}.toml"
+        if not kept.exists():
+            kept.write_text(weights.read_text())
+        command = [msk, "eval", "tasks.msk", "--task", task, "--policy", "plan", "--episodes", str(episodes), "--seed", str(round)]
+        subprocess.run([*command, "--weights", str(kept), "--out", str(folder)], check=True)
+        found = server.call("read_results", folder=str(folder.relative_to(Path.cwd())))["content"]["tasks"][0]
+        terms = server.call("list_terms", task=task, overlay=str(kept.relative_to(Path.cwd())))["terms"]
+        yield found["success_rate"], {term["term"]: term["weight"] for term in terms}
+        if found["success_rate"] == 1:
+            return
+        if not (weights.parent / f"round-{round + 1}.toml").exists():
+            means = {term["name"]: term["value_per_step"] for term in found["terms"]}
+            proposed = server.call("propose_weights", task=task, overlay=overlay, weights=wish(terms, means), step=1)
+            changed = {f"{task}.{term}": weight for term, weight in proposed["apply"].items()}
+            server.call("apply_weights", file="tasks.msk", weights=changed, overlay=overlay, dry_run=False)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", type=Path, nargs="?", default=Path("results/tuning-plans"))
+    parser.add_argument("--msk", default="target/release/msk")
+    parser.add_argument("--task", choices=ROUNDS, help="this one only")
+    arguments = parser.parse_args()
+    rows = []
+    for task in [arguments.task] if arguments.task else ROUNDS:
+        out = arguments.out.resolve() / task
+        out.mkdir(parents=True, exist_ok=True)
+        for reasoner, rounds in [("rules", by_rules), ("agent", by_agent)]:
+            for round, (success, weights) in enumerate(rounds(arguments.msk, out, task), 1):
+                weights = " ".join(f"{term}={weight:.3g}" for term, weight in weights.items())
+                rows.append({"task": task, "reasoner": reasoner, "round": round, "success": f"{success:.3g}", "weights": weights})
+    with open(arguments.out / "tuning_plans.csv", "w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+if __name__ == "__main__":
+    main()
