@@ -18,9 +18,9 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 START = HERE / "tuning_plans.toml"
-# Episodes of a round, and control steps of each.
-ROUNDS = {"squat": (2, 1000), "reach": (4, 500), "walk": (3, 1000)}
-STEP, MOST = 0.5, 10
+# Rounds at most, episodes of a round, and control steps of each.
+TASKS = {"squat": (10, 2, 1000), "reach": (8, 2, 500), "walk": (8, 2, 1000)}
+STEP = 0.5
 
 
 class Server:
@@ -51,8 +51,8 @@ class Server:
 
 def by_rules(msk, out, task):
     """The rounds of a session with the reasoner `rules`."""
-    episodes, steps = ROUNDS[task]
-    numbers = {"step": STEP, "rounds": MOST, "interval": episodes * steps}
+    rounds, episodes, steps = TASKS[task]
+    numbers = {"step": STEP, "rounds": rounds, "interval": episodes * steps}
     options = [word for name, value in numbers.items() for word in (f"--{name}", str(value))]
     command = [msk, "tune", task, "--policy", "plan", "--weights", str(START), *options, "--out", str(out / "rules")]
     subprocess.run(command, check=True)
@@ -75,13 +75,13 @@ def wish(terms, found):
 
 def by_agent(msk, out, task):
     """The rounds of the scripted agent."""
-    episodes, _ = ROUNDS[task]
+    rounds, episodes, _ = TASKS[task]
     server, weights = Server(msk), out / "agent" / "weights.toml"
     weights.parent.mkdir(parents=True, exist_ok=True)
     if not weights.exists():
         weights.write_text(START.read_text())
     overlay = str(weights.relative_to(Path.cwd()))
-    for round in range(1, MOST + 1):
+    for round in range(1, rounds + 1):
         folder = weights.parent / f"round-{round}"
         kept = weights.parent / f"round-{round}.toml"
         if not kept.exists():
@@ -104,10 +104,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path, nargs="?", default=Path("results/tuning-plans"))
     parser.add_argument("--msk", default="target/release/msk")
-    parser.add_argument("--task", choices=ROUNDS, help="this one only")
+    parser.add_argument("--task", choices=TASKS, help="this one only")
     arguments = parser.parse_args()
     rows = []
-    for task in [arguments.task] if arguments.task else ROUNDS:
+    for task in [arguments.task] if arguments.task else TASKS:
         out = arguments.out.resolve() / task
         out.mkdir(parents=True, exist_ok=True)
         for reasoner, rounds in [("rules", by_rules), ("agent", by_agent)]:

@@ -139,7 +139,7 @@ impl<T: Real> Slots<T> {
         let directions = candidate.dimension - 1;
         if directions == 0 {
             let velocity = T::select(touch.moves, speed[0] + touch.drift[0], speed[0]);
-            let row = pushing(touch.has, regularization(impedance, translation), damping * velocity - pull);
+            let row = Row::new(touch.has, regularization(impedance, translation), damping * velocity - pull, ONE_WAY);
             return self.rows.push(row);
         }
         let friction = candidate.friction_with(|geom| source.state.friction[geom]);
@@ -154,23 +154,9 @@ impl<T: Real> Slots<T> {
             let (up, down) = (speed[0] + tangent, speed[0] - tangent);
             let up = T::select(touch.moves, up + (touch.drift[0] + drift), up);
             let down = T::select(touch.moves, down + (touch.drift[0] - drift), down);
-            self.rows.push(pushing(touch.has, common, damping * up - pull));
-            self.rows.push(pushing(touch.has, common, damping * down - pull));
+            self.rows.push(Row::new(touch.has, common, damping * up - pull, ONE_WAY));
+            self.rows.push(Row::new(touch.has, common, damping * down - pull, ONE_WAY));
         }
-    }
-}
-
-/// A row that only pushes, in the lanes of the mask.
-#[inline(always)]
-fn pushing<T: Real>(has: T::Mask, regularization: T, reference: T) -> Row<T> {
-    let (zero, [lower, upper]) = (T::splat(0.0), ONE_WAY);
-    Row {
-        weight: T::select(has, T::splat(1.0) / regularization, zero),
-        regularization: T::select(has, regularization, zero),
-        reference: T::select(has, reference, zero),
-        lower: T::select(has, T::splat(lower), zero),
-        upper: T::select(has, T::splat(upper), zero),
-        force: zero,
     }
 }
 

@@ -51,6 +51,20 @@ impl<T: Real> Row<T> {
         Self { weight: zero, regularization: zero, reference: zero, lower: zero, upper: zero, force: zero }
     }
 
+    /// One in the lanes of the mask.
+    #[inline(always)]
+    fn new(has: T::Mask, regularization: T, reference: T, [lower, upper]: [f64; 2]) -> Self {
+        let zero = T::splat(0.0);
+        Self {
+            weight: T::select(has, T::splat(1.0) / regularization, zero),
+            regularization: T::select(has, regularization, zero),
+            reference: T::select(has, reference, zero),
+            lower: T::select(has, T::splat(lower), zero),
+            upper: T::select(has, T::splat(upper), zero),
+            force: zero,
+        }
+    }
+
     /// The force at a residual J a - a_ref.
     #[inline(always)]
     pub fn force_at(&self, residual: T) -> T {

@@ -159,7 +159,7 @@ impl<T: Real> Slots<T> {
         if !T::any(has) {
             return;
         }
-        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let zero = T::splat(0.0);
         let (columns, values, row) = (self.columns.len(), self.values.len(), self.rows.len());
         let mut velocity = T::splat(-0.0);
         for (dof, value) in entries {
@@ -167,20 +167,13 @@ impl<T: Real> Slots<T> {
             self.columns.push(*dof);
             self.values.push(T::select(has, *value, zero));
         }
-        let Law { spring, approximate, position, margin, bounds: [lower, upper] } = law;
+        let Law { spring, approximate, position, margin, bounds } = law;
         let depth = *position - T::splat(*margin);
         let impedance = spring.impedance(depth);
         let regularization = regularization(impedance, T::splat(*approximate));
         let pull = T::splat(spring.stiffness) * impedance * depth;
         let reference = -T::splat(spring.damping) * velocity - pull;
-        self.rows.push(Row {
-            weight: T::select(has, one / regularization, zero),
-            regularization: T::select(has, regularization, zero),
-            reference: T::select(has, reference, zero),
-            lower: T::select(has, T::splat(*lower), zero),
-            upper: T::select(has, T::splat(*upper), zero),
-            force: zero,
-        });
+        self.rows.push(Row::new(has, regularization, reference, *bounds));
         let (rows, columns) = (row..row + 1, columns..self.columns.len());
         self.slots.push(Slot { rows, columns, values, dimension: 1, pyramid: false, frictions: 0 });
         self.keys.push(key);
