@@ -50,6 +50,11 @@ class Server:
     def call(self, tool, **arguments):
         return self.ask("tools/call", {"name": tool, "arguments": arguments})["structuredContent"]
 
+    def close(self):
+        """The server ends with its input."""
+        self.process.stdin.close()
+        self.process.wait()
+
 
 def weights_of(task):
     """What `msk tune` is given for the weights that a task begins with."""
@@ -96,15 +101,17 @@ def by_agent(msk, out, task):
         command = [msk, "eval", file, "--task", task, "--policy", "plan", "--episodes", str(episodes), "--seed", str(round)]
         subprocess.run([*command, "--weights", str(kept), "--out", str(folder)], check=True)
         found = server.call("read_results", folder=str(folder.relative_to(Path.cwd())))["content"]["tasks"][0]
-        terms = server.call("list_terms", file=file, task=task, overlay=str(kept.relative_to(Path.cwd())))["terms"]
+        played = {"file": file, "task": task, "overlay": str(kept.relative_to(Path.cwd()))}
+        terms = server.call("list_terms", **played)["terms"]
         yield found["success_rate"], {term["term"]: term["weight"] for term in terms}
         if found["success_rate"] == 1:
-            return
+            break
         if not (weights.parent / f"round-{round + 1}.toml").exists():
             means = {term["name"]: term["value_per_step"] for term in found["terms"]}
-            proposed = server.call("propose_weights", file=file, task=task, overlay=overlay, weights=wish(terms, means), step=1)
+            proposed = server.call("propose_weights", **played, weights=wish(terms, means), step=1)
             changed = {f"{task}.{term}": weight for term, weight in proposed["apply"].items()}
             server.call("apply_weights", file=file, weights=changed, overlay=overlay, dry_run=False)
+    server.close()
 
 
 REASONERS = {"rules": by_rules, "agent": by_agent}
