@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Tuning by planned behaviour: three tasks with weights under which a body stands instead. `squat` and `reach` begin with those of
-`tuning_plans.toml`, `shuffle` is a walk with a term too many (`tuning_plans.msk`).
+`tuning_plans.toml`, `shuffle` is a walk with one more term (`tuning_plans.msk`).
 
     python3 benches/learning/tuning_plans.py results/tuning-plans
 
 Each task is tuned twice, from the root of the project. By `msk tune --policy plan` with the reasoner `rules`; and by an agent, which is a
 script here: it plays episodes with `msk eval --policy plan`, and through the tools of `msk mcp` reads what came of them, proposes weights and
-applies them to a weights file. The script knows nothing of the task. It doubles what pays less than half of what it could, and halves what
-pays nearly all of it, until every episode of a round succeeds.
+applies them to a weights file. The script does not depend on the task. It doubles the weight of a term whose mean value is below half of its
+largest, and halves the weight of a term above 95 % of it, until every episode of a round succeeds.
 
 Writes `tuning_plans.csv`, a line per round with its success and weights, to the folder. Whatever is there already is not run again.
 """

@@ -28,7 +28,7 @@ pub(super) struct Dynamics<T> {
     arms: Columns<T>,
     /// Of each muscle: its damping within the hold, N s²/m, and minus its passive force, N.
     held: Vec<T>,
-    slack: Vec<T>,
+    resistance: Vec<T>,
 }
 
 /// A muscle, and what it moves.
@@ -92,7 +92,7 @@ impl<T: Real> Dynamics<T> {
             full: vec![T::splat(0.0); model.nv],
             arms,
             held: zeros.clone(),
-            slack: zeros,
+            resistance: zeros,
         }
     }
 
@@ -126,7 +126,7 @@ impl<T: Real> Dynamics<T> {
         for index in 0..self.crossing.len() {
             self.fill_muscle(index, (state, workspace), slopes, hold, columns.values_mut());
         }
-        self.arms.add_scaled(&self.slack, &mut self.load);
+        self.arms.add_scaled(&self.resistance, &mut self.load);
         self.arms.add_squares(&self.held, &self.pattern, &mut self.inertia);
         let hold = T::splat(hold);
         for (dof, &damping) in state.damping.iter().enumerate() {
@@ -198,7 +198,7 @@ impl<T: Real> Dynamics<T> {
         let damping = gear * gear * activation * workspace.actuation.active_damping(state, *actuator);
         let zero = T::splat(0.0);
         self.held[index] = T::splat(hold) * T::select(zero.less(damping), damping, zero);
-        self.slack[index] = -passive;
+        self.resistance[index] = -passive;
     }
 }
 
