@@ -110,3 +110,23 @@ fn physics_goes_on_past_the_ends_of_a_task() {
     assert_eq!((found.steps, &found.fault), (trial.task.horizon, &None));
     assert!(found.deepest < 0.02 && found.fastest < 6.0, "{found:?}");
 }
+
+#[test]
+fn a_body_whose_hands_are_welded_to_a_bar_pulls_itself_up() {
+    let trial = trial("chin_up");
+    let mut policy = policy::create("demonstration").unwrap();
+    let mut episode = trial.episode().unwrap();
+    policy.reset(&episode.context()).unwrap();
+    let mut action = vec![0.0; episode.context().body.muscles.len()];
+    let height = |episode: &Environment| {
+        let context = episode.context();
+        context.state.position[context.body.root.free.unwrap().0 + 2]
+    };
+    let begun = height(&episode);
+    for _ in 0..50 {
+        policy.act(&episode.context(), &mut action).unwrap();
+        episode.step(&action).unwrap();
+    }
+    let risen = height(&episode) - begun;
+    assert!(risen > 0.4, "by {risen} m in a second");
+}

@@ -77,6 +77,23 @@ fn a_planner_walks_where_that_earns_most() {
 }
 
 #[test]
+fn a_planner_stops_walking_where_standing_earns_more() {
+    let low = ("early when step > 100", "low when pelvis.height < 0.7 m");
+    let reward = "1 onward = if step < 100 then clip(com.velocity.x / 1 m/s, 0, 1) else exp(-20 s/m * norm(com.velocity))";
+    let earned = |look_again: f64| {
+        let mut environment = rewarded(reward, &[low]);
+        // A gait of one pace forward: it can be left and not slowed down.
+        let targets = Targets { pace: [0.6, 0.01, 0.01], ..Targets::default() };
+        let settings = Settings { look: 2.0, look_again, horizon: 0.3, samples: 4, replan: 25, targets, ..quick() };
+        planned(&mut environment, &settings, 190);
+        assert!(environment.ending().is_none(), "{:?}", environment.ending());
+        environment.episode().total()
+    };
+    let (stays, walks) = (earned(0.25), earned(0.0));
+    assert!(stays > walks + 10.0, "{stays} where it is asked anew, {walks} where it is not");
+}
+
+#[test]
 fn a_planner_that_avoids_success_earns_without_it() {
     let parts = [("horizon 200 steps", "horizon 60 steps"), ("success survived", "success elbow_flexion_r.q > 0.5 rad")];
     let mut environment = rewarded(BENT, &parts);

@@ -6,7 +6,7 @@ use crate::value::Trace;
 use msk_physics::Rates;
 use msk_physics::lanes::WIDTH;
 use msk_physics::scalar::Real;
-use msk_runtime::action::{Action, ActsOn};
+use msk_runtime::action::Action;
 use msk_runtime::body::sensors::Snapshot;
 use msk_runtime::episode::{Controlled, Ending, Engine, Episode, GroupScratch, Member};
 use msk_runtime::policy::PolicyContext;
@@ -33,8 +33,6 @@ pub(crate) struct Extent {
     pub avoid_success: bool,
     /// Whether it is measured how well the body is balanced at the end.
     pub balance: bool,
-    /// The entry that asks for nothing.
-    pub rest: f64,
     /// By which share of the way entries come nearer to what a plan asks for at each control step.
     pub follow: f64,
 }
@@ -74,12 +72,18 @@ struct Lane {
 pub(crate) struct Present<'a> {
     /// The real episode with its policy.
     pub context: PolicyContext<'a>,
-    /// Its controller.
+    /// What imagined chance is named after.
+    pub name: &'a str,
+}
+
+/// What is played from the present on.
+#[derive(Clone, Copy)]
+pub(crate) struct Proposal<'a> {
+    /// The controller at present.
     pub space: &'a Space,
     /// The entries of the last control step.
     pub entries: &'a [f64],
-    /// What imagined chance is named after.
-    pub name: &'a str,
+    pub plan: &'a Curve,
 }
 
 impl Imaginer {
@@ -88,33 +92,37 @@ impl Imaginer {
         Self { engine, memory: Mutex::default() }
     }
 
-    /// Plays every plan; `None` if `stop` became true before the end.
-    pub fn play(&self, present: &Present<'_>, plans: &[Curve], extent: Extent, stop: &AtomicBool) -> Option<Vec<Trace>> {
-        let extent = Extent { hold: present.space.hold(extent.hold), ..extent };
+    /// Plays every proposal; `None` if `stop` became true before the end.
+    pub fn play(
+        &self,
+        present: &Present<'_>,
+        proposals: &[Proposal<'_>],
+        extent: Extent,
+        stop: &AtomicBool,
+    ) -> Option<Vec<Trace>> {
         // Groups are fixed, so that the bits of a trace depend on no number of threads.
         let groups: Vec<Option<Vec<Trace>>> =
-            plans.par_chunks(WIDTH).map(|plans| self.group(present, plans, extent, stop)).collect();
+            proposals.par_chunks(WIDTH).map(|proposals| self.group(present, proposals, extent, stop)).collect();
         Some(groups.into_iter().collect::<Option<Vec<_>>>()?.concat())
     }
 
-    fn group(&self, present: &Present<'_>, plans: &[Curve], extent: Extent, stop: &AtomicBool) -> Option<Vec<Trace>> {
+    fn group(&self, present: &Present<'_>, proposals: &[Proposal<'_>], extent: Extent, stop: &AtomicBool) -> Option<Vec<Trace>> {
         let known = self.memory.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut memory = known.unwrap_or_else(|| Memory { scratch: self.engine.group_scratch(WIDTH), lanes: Vec::new() });
-        memory.begin(&self.engine, present, plans, extent.rough);
-        let played = memory.play(&self.engine, present.context.weights, plans, extent, stop);
-        let traces = played.then(|| memory.lanes.iter().take(plans.len()).map(|lane| lane.trace).collect());
+        memory.begin(&self.engine, present, proposals, extent.rough);
+        let played = memory.play(&self.engine, present.context.weights, proposals, extent, stop);
+        let traces = played.then(|| memory.lanes.iter().take(proposals.len()).map(|lane| lane.trace).collect());
         self.memory.lock().unwrap_or_else(PoisonError::into_inner).push(memory);
         traces
     }
 }
 
 impl Memory {
-    fn begin(&mut self, engine: &Engine, present: &Present<'_>, plans: &[Curve], rough: bool) {
-        let Present { context, space, entries: before, name } = present;
-        let size = space.acts_on().size(context.task, context.body);
-        for (index, plan) in plans.iter().enumerate() {
+    fn begin(&mut self, engine: &Engine, present: &Present<'_>, proposals: &[Proposal<'_>], rough: bool) {
+        let Present { context, name } = present;
+        for (index, &Proposal { space, entries: before, plan }) in proposals.iter().enumerate() {
             if index == self.lanes.len() {
-                let (episode, space) = (engine.episode(), (*space).clone());
+                let (episode, space) = (engine.episode(), space.clone());
                 let (asked, entries, action) = (Vec::new(), Vec::new(), Vec::new());
                 self.lanes.push(Lane { episode, rates: None, space, asked, entries, action, trace: Trace::default() });
             }
@@ -129,7 +137,7 @@ impl Memory {
             lane.asked.resize(plan.width, 0.0);
             lane.entries.clear();
             lane.entries.extend_from_slice(before);
-            lane.action.resize(size, 0.0);
+            lane.action.resize(space.acts_on().size(context.task, context.body), 0.0);
             lane.rates = None;
             lane.trace = Trace::default();
             if !self.scratch.bring(index, engine, &lane.episode) {
@@ -139,17 +147,17 @@ impl Memory {
     }
 
     /// Plays all lanes to their ends; gives whether it got there before `stop` became true.
-    fn play(&mut self, engine: &Engine, weights: &[f64], plans: &[Curve], extent: Extent, stop: &AtomicBool) -> bool {
+    fn play(&mut self, engine: &Engine, weights: &[f64], proposals: &[Proposal<'_>], extent: Extent, stop: &AtomicBool) -> bool {
         let Self { scratch, lanes } = self;
-        let lanes = &mut lanes[..plans.len()];
+        let lanes = &mut lanes[..proposals.len()];
         let [horizon, tail] = extent.steps;
         for step in 0..horizon + tail {
             if stop.load(Ordering::Relaxed) {
                 return false;
             }
-            let asking = lanes.iter_mut().zip(plans).enumerate().filter(|(_, (lane, _))| lane.goes_on());
+            let asking = lanes.iter_mut().zip(proposals).enumerate().filter(|(_, (lane, _))| lane.goes_on());
             let mut controlled: Vec<Controlled<'_>> =
-                asking.filter_map(|(index, (lane, plan))| lane.ask(index, step, plan, extent, engine, weights)).collect();
+                asking.filter_map(|(index, (lane, own))| lane.ask(index, step, own.plan, extent, engine, weights)).collect();
             let acted = scratch.control(&mut controlled);
             // Controls that cannot act where the real ones could do not occur; it would be a failure.
             let unable = controlled.iter().zip(acted).filter(|(_, acted)| acted.is_err()).map(|(member, _)| member.lane);
@@ -158,11 +166,10 @@ impl Memory {
             if !lanes.iter().any(Lane::goes_on) {
                 return true;
             }
-            let acts_on = lanes.first().map_or(ActsOn::Task, |lane| lane.space.acts_on());
             scratch.step(lanes.iter_mut().map(|lane| {
                 let goes_on = lane.goes_on();
-                let Lane { episode, rates, action, .. } = lane;
-                let action = Action { acts_on, entries: action };
+                let Lane { episode, rates, space, action, .. } = lane;
+                let action = Action { acts_on: space.acts_on(), entries: action };
                 goes_on.then_some(Member { engine, episode, rates, weights, action })
             }));
             lanes.iter_mut().for_each(|lane| lane.note(step, extent));
@@ -204,7 +211,7 @@ impl Lane {
         plan.at((f64::from(step) / f64::from(horizon)).at_most(1.0), asked);
         extent.smooth(asked, entries);
         // What looks at the state is worth most of the time that it takes.
-        if matches!(space, Space::Other(_)) && !step.is_multiple_of(hold) {
+        if matches!(space, Space::Other(_)) && !step.is_multiple_of(space.hold(hold)) {
             return None;
         }
         let (controls, entries) = space.take(entries, action)?;

@@ -1,9 +1,10 @@
-//! Which targets plans move: before the first plan of an episode each choice is imagined by itself for some seconds.
+//! Which targets plans move: before the first plan of an episode, and now and again while the body walks, each choice is imagined by itself for some
+//! seconds.
 
 use crate::curve::Curve;
-use crate::imagine::{Extent, Imaginer, Present};
+use crate::imagine::{Extent, Imaginer, Present, Proposal};
 use crate::settings::Settings;
-use crate::space::Space;
+use crate::space::{Space, leaves_open};
 use crate::value::Trace;
 use msk_runtime::policy::PolicyContext;
 use std::sync::atomic::AtomicBool;
@@ -28,10 +29,19 @@ const PACES: [[f64; 3]; 16] = [
     [0.0, 0.0, 0.7],
 ];
 
-/// A comparison of choices at the start of an episode.
+/// What plans may move, a plan in it, and what was asked for in the last control step.
+#[derive(Debug, Clone)]
+pub(crate) struct Choice {
+    pub space: Space,
+    pub plan: Curve,
+    pub entries: Vec<f64>,
+}
+
+/// A comparison of choices from the present on.
 pub(crate) struct Look<'a> {
     pub context: &'a PolicyContext<'a>,
     pub imaginer: &'a Imaginer,
+    pub settings: &'a Settings,
     /// How plans are imagined.
     pub extent: Extent,
     /// Control steps that are imagined of each choice; 0 to make none.
@@ -40,69 +50,100 @@ pub(crate) struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// The space that serves best, and the plan to begin with: `first`, the demonstration's or a gait's, as far as settings and the task leave them
-    /// open. Of two that earn the same the one that stands first here is taken.
+    /// The space that serves best at the start of an episode, and the plan to begin with: `first`, the demonstration's or a gait's, as far as settings
+    /// and the task leave them open. Of two that earn the same the one that stands first here is taken.
     ///
     /// # Errors
     /// As with [`Space::new`].
-    pub fn choose(&self, first: Space, settings: &Settings) -> Result<(Space, Curve), String> {
-        let idle = |space: &Space| {
-            // One knot more than the horizon has, so that it can move on between them.
-            Curve::constant(space.rest(self.context), settings.knots + 1, space.size(self.context), settings.interpolation)
-        };
-        if self.steps == 0 {
-            let plan = idle(&first);
-            return Ok((first, plan));
+    pub fn choose(&self, first: Space) -> Result<Choice, String> {
+        let mut choices = vec![self.idle(first)];
+        if self.steps > 0 {
+            choices.extend(self.demonstrated(0.0)?);
+            let walking = Space::walking(self.context, self.settings.space, &self.settings.targets);
+            choices.extend(walking.into_iter().flat_map(|space| PACES.map(|pace| self.paced(&space, pace))));
         }
-        let shown = Space::demonstrated(self.context, settings.space, &settings.targets)?;
-        let walking = Space::walking(self.context, settings.space, &settings.targets);
-        let plan = idle(&first);
-        if shown.is_none() && walking.is_none() {
-            return Ok((first, plan));
-        }
-        let mut choices = vec![(first, vec![plan])];
-        choices.extend(shown.map(|space| {
-            let plan = idle(&space);
-            (space, vec![plan])
-        }));
-        choices.extend(walking.map(|space| {
-            let paced = |pace: [f64; 3]| {
-                let (mut plan, mut speeds) = (idle(&space), pace.into_iter());
-                plan.hold(space.pace(), || speeds.next().unwrap_or(0.0));
-                plan
-            };
-            let plans = PACES.map(paced).to_vec();
-            (space, plans)
-        }));
+        let worths = self.worths(&choices);
         // Of those that are worth the same the first; where the run is to stop, none was imagined to its end.
-        let (mut best, mut chosen) = (Worth::default(), (0, 0));
-        for (choice, (space, plans)) in choices.iter().enumerate() {
-            for (plan, worth) in self.worths(space, plans).into_iter().enumerate() {
-                // A gait that serves as well as a pose steps wherever its hands lead it.
-                let steps = space.walks() && space.reaches() && !choices[chosen.0].0.walks();
-                let goes_on = steps && worth.is_about(&best);
-                if worth > best || goes_on {
-                    (best, chosen) = (worth, (choice, plan));
-                }
+        let mut best = 0;
+        for (index, worth) in worths.iter().enumerate() {
+            // A gait that serves as well as a pose steps wherever its hands lead it.
+            let Choice { space, .. } = &choices[index];
+            let steps = space.walks() && space.reaches() && !choices[best].space.walks();
+            if *worth > worths[best] || (steps && worth.is_about(&worths[best])) {
+                best = index;
             }
         }
-        let (choice, plan) = chosen;
-        let (space, mut plans) = choices.swap_remove(choice);
-        Ok((space, plans.swap_remove(plan)))
+        Ok(choices.swap_remove(best))
     }
 
-    /// What the plans of a space are worth.
-    fn worths(&self, space: &Space, plans: &[Curve]) -> Vec<Worth> {
-        let entries = vec![self.extent.rest; space.size(self.context)];
-        let present = Present { context: *self.context, space, entries: &entries, name: "plan/look" };
-        let traces = self.imaginer.play(&present, plans, Extent { steps: [self.steps, 0], ..self.extent }, self.stop);
-        // Plans keep up a pose that falls late; what a gait is when it falls, they see too late.
-        let enough = if space.walks() { self.steps } else { (KEPT * f64::from(self.steps)) as u32 };
-        let mut worths: Vec<Worth> = traces.unwrap_or_default().iter().map(|trace| Worth::of(trace, enough)).collect();
-        let lasting = worths.iter().filter(|worth| worth.lasts).count();
-        if LASTING * lasting < worths.len() {
+    /// What serves a body better that walks in `present` than to go on: to stand as it does now, or to do what the demonstration shows from some time of it
+    /// on.
+    pub fn again(&self, present: Choice) -> Option<Choice> {
+        let Settings { space, targets, .. } = self.settings;
+        if !leaves_open(self.context, *space, targets) {
+            return None;
+        }
+        let mut choices = vec![present];
+        // What cannot be followed from here, though it could at the start of the episode, is no choice.
+        choices.extend(Space::new(self.context, *space, targets).ok().map(|space| self.idle(space)));
+        let length = Space::demonstration_length(self.context);
+        let starts = (1..=PARTS).map(|part| length * f64::from(part) / f64::from(PARTS));
+        choices.extend(starts.filter_map(|start| self.demonstrated(start).ok().flatten()));
+        let worths = self.worths(&choices);
+        let mut best = 0;
+        for (index, worth) in worths.iter().enumerate() {
+            if *worth > worths[best] && worth.is_much_more_than(&worths[0]) {
+                best = index;
+            }
+        }
+        (best > 0).then(|| choices.swap_remove(best))
+    }
+
+    /// A plan that asks for nothing.
+    fn idle(&self, space: Space) -> Choice {
+        let Settings { knots, interpolation, .. } = *self.settings;
+        let (size, rest) = (space.size(self.context), space.rest(self.context));
+        // One knot more than the horizon has, so that it can move on between them.
+        Choice { space, plan: Curve::constant(rest, knots + 1, size, interpolation), entries: vec![rest; size] }
+    }
+
+    /// The demonstration from that time of it on, s, if it may be followed.
+    fn demonstrated(&self, start: f64) -> Result<Option<Choice>, String> {
+        let space = Space::demonstrated(self.context, self.settings.space, &self.settings.targets, start)?;
+        Ok(space.map(|space| self.idle(space)))
+    }
+
+    /// A gait at a constant pace.
+    fn paced(&self, space: &Space, pace: [f64; 3]) -> Choice {
+        let (mut choice, mut speeds) = (self.idle(space.clone()), pace.into_iter());
+        choice.plan.hold(space.pace(), || speeds.next().unwrap_or(0.0));
+        choice
+    }
+
+    /// What choices are worth; the only one that there is need not be imagined.
+    fn worths(&self, choices: &[Choice]) -> Vec<Worth> {
+        if choices.len() == 1 {
+            return vec![Worth::default()];
+        }
+        let proposals: Vec<Proposal<'_>> =
+            choices.iter().map(|Choice { space, plan, entries }| Proposal { space, entries, plan }).collect();
+        let horizon = self.extent.steps[0].min(self.steps);
+        let extent = Extent { steps: [horizon, self.steps - horizon], ..self.extent };
+        let present = Present { context: *self.context, name: "plan/look" };
+        let traces = self.imaginer.play(&present, &proposals, extent, self.stop).unwrap_or_default();
+        let worth = |(trace, choice): (&Trace, &Choice)| {
+            // Plans keep up a pose that falls late; what a gait is when it falls, they see too late.
+            let enough = if choice.space.walks() { self.steps } else { (KEPT * f64::from(self.steps)) as u32 };
+            Worth::of(trace, enough)
+        };
+        let mut worths: Vec<Worth> = traces.iter().zip(choices).map(worth).collect();
+        worths.resize(choices.len(), Worth::default());
+        let walking = || choices.iter().map(|choice| choice.space.walks());
+        let lasting = worths.iter().zip(walking()).filter(|(worth, walks)| *walks && worth.lasts).count();
+        if LASTING * lasting < walking().filter(|walks| *walks).count() {
             // One pace among many that fall was lucky.
-            worths.iter_mut().filter(|worth| worth.lasts).for_each(|worth| (worth.lasts, worth.steps) = (false, self.steps));
+            let lucky = worths.iter_mut().zip(walking()).filter(|(worth, walks)| *walks && worth.lasts);
+            lucky.for_each(|(worth, _)| (worth.lasts, worth.steps) = (false, self.steps));
         }
         worths
     }
@@ -127,6 +168,13 @@ const LASTING: usize = 2;
 /// Rewards that differ by this share are about the same.
 const ABOUT: f64 = 0.02;
 
+/// By which share of its reward something else has to be better than to walk on.
+const MUCH: f64 = 0.1;
+
+/// Times of a demonstration from which a body may go on that has walked: so many, evenly over its length. With walking on and standing still they fill
+/// one group of lanes.
+const PARTS: u32 = 6;
+
 impl Worth {
     /// Whether it is worth about as much as another.
     fn is_about(&self, other: &Self) -> bool {
@@ -134,10 +182,16 @@ impl Worth {
         (self.lasts, self.steps) == (other.lasts, other.steps) && near
     }
 
+    /// Whether it lasts, and is worth much more than another or the other does not last.
+    fn is_much_more_than(&self, other: &Self) -> bool {
+        let more = self.reward - other.reward > MUCH * other.reward.abs();
+        self.lasts && (more || !other.lasts)
+    }
+
     /// Of a trace that lasts if it does not fail within so many control steps.
     fn of(trace: &Trace, enough: u32) -> Self {
         let lasts = !trace.failed || trace.steps > enough;
-        let reward = trace.rewards[0] / f64::from(trace.steps.max(1));
+        let reward = (trace.rewards[0] + trace.rewards[1]) / f64::from(trace.steps.max(1));
         Self { lasts, steps: if lasts { 0 } else { trace.steps }, reward }
     }
 }

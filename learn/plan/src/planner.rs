@@ -1,14 +1,14 @@
 //! The policy: plan, act on the first part of the plan, plan anew.
 
 use crate::curve::Curve;
-use crate::imagine::{Extent, Imaginer, Present};
-use crate::look::Look;
+use crate::imagine::{Extent, Imaginer, Present, Proposal};
+use crate::look::{Choice, Look};
 use crate::proposal::Noise;
 use crate::search::Search;
 use crate::settings::Settings;
 use crate::space::Space;
 use crate::value::Judge;
-use msk_runtime::action::{ControlMemory, follow_share};
+use msk_runtime::action::{ControlMemory, Controls, follow_share};
 use msk_runtime::episode::{Engine, Stream};
 use msk_runtime::policy::{ActsOn, Policy, PolicyContext, PolicyError};
 use std::sync::atomic::AtomicBool;
@@ -26,18 +26,29 @@ struct Planning {
     /// The model, to tell episodes of other tasks.
     engine: Engine,
     imaginer: Imaginer,
+    /// As they are given.
+    settings: Settings,
+    followed: Followed,
+    /// The control step of the last look.
+    looked: u32,
+    memory: ControlMemory,
+}
+
+/// What is followed, and how it is planned.
+struct Followed {
     space: Space,
     search: Search,
     /// Those of its space.
     settings: Settings,
     judge: Judge,
     extent: Extent,
+    /// The entry that asks for nothing.
+    rest: f64,
     /// When the plan was made, in control steps.
     planned: Option<u32>,
     /// What the plan asks for now, and what is done about it.
     asked: Vec<f64>,
     entries: Vec<f64>,
-    memory: ControlMemory,
 }
 
 impl<'a> Planner<'a> {
@@ -57,7 +68,7 @@ impl Policy for Planner<'_> {
     }
 
     fn acts_on(&self) -> ActsOn {
-        self.present.as_ref().map_or(ActsOn::Task, |planning| planning.space.acts_on())
+        self.present.as_ref().map_or(ActsOn::Task, |planning| planning.followed.space.acts_on())
     }
 
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
@@ -78,87 +89,122 @@ impl Policy for Planner<'_> {
 impl Planning {
     fn new(context: &PolicyContext<'_>, settings: &Settings, before: Option<Self>, stop: &AtomicBool) -> Result<Self, String> {
         let space = Space::new(context, settings.space, &settings.targets)?;
-        let rest = space.rest(context);
-        let in_steps = |time: f64| steps(time, context.task.control_frequency);
-        if in_steps(settings.horizon) == 0 {
+        if steps(settings.horizon, context.task.control_frequency) == 0 {
             let (horizon, period) = (settings.horizon, context.engine.control_period());
             return Err(format!("its horizon of {horizon} s is shorter than a control step of {period} s"));
         }
-        let follow = follow_share(context.engine.control_period(), settings.smooth);
         // Memory of the same task is worth keeping.
         let imaginer = match before {
             Some(before) if before.engine.is(context.engine) => before.imaginer,
             _ => Imaginer::new(context.engine.imagining(settings.coarseness).map_err(|error| error.to_string())?),
         };
-        let hold = in_steps(settings.hold).max(1);
-        let extent = |settings: &Settings| {
-            let Settings { horizon, tail, rough, avoid_success, .. } = *settings;
-            Extent { steps: [horizon, tail].map(in_steps), hold, rough, avoid_success, balance: false, rest, follow }
-        };
-        let look = Look { context, imaginer: &imaginer, extent: extent(settings), steps: in_steps(settings.look), stop };
-        let (space, plan) = look.choose(space, settings)?;
-        let walks = space.walks();
-        let settings = if walks { settings.walking(in_steps) } else { settings.clone() };
-        let extent = extent(&settings);
-        let (width, search) = (space.size(context), Search::around(plan, &settings));
-        let sight = f64::from(extent.steps[0] + extent.steps[1]);
+        let choice = look(context, settings, &imaginer, stop).choose(space)?;
         Ok(Self {
             engine: context.engine.clone(),
             imaginer,
-            space,
-            search,
-            judge: Judge {
-                steps: extent.steps,
-                tail_weight: settings.tail_weight,
-                failure_price: settings.failure_price * context.task.control_frequency,
-                balance_price: settings.balance_price * context.task.control_frequency,
-                // A body that changes its pace for next to nothing stumbles.
-                stay_price: if walks { STAY * sight } else { 0.0 },
-                change_price: settings.change_price * f64::from(extent.steps[0]),
-            },
-            settings,
-            extent,
-            planned: None,
-            asked: vec![rest; width],
-            entries: vec![rest; width],
+            settings: settings.clone(),
+            followed: Followed::new(context, choice, settings),
+            looked: context.step,
             memory: ControlMemory::default(),
         })
     }
 
     /// Plans where the present plan has been followed for long enough.
     fn plan(&mut self, context: &PolicyContext<'_>, stop: &AtomicBool) -> Result<(), PolicyError> {
-        let settings = &self.settings;
-        let since = self.planned.map(|planned| context.step - planned);
-        let rounds = match since {
-            Some(since) if since < settings.replan => return Ok(()),
+        let followed = &mut self.followed;
+        let since = followed.planned.map(|planned| context.step - planned);
+        let mut rounds = match since {
+            Some(since) if since < followed.settings.replan => return Ok(()),
             Some(since) => {
-                let share = f64::from(since) / f64::from(self.extent.steps[0]);
-                self.search.advance(share, self.extent.rest, settings);
-                settings.rounds
+                followed.advance(since);
+                followed.settings.rounds
             }
-            None => settings.first_rounds,
+            None => followed.settings.first_rounds,
         };
+        let again = steps(self.settings.look_again, context.task.control_frequency);
+        if followed.space.walks() && again > 0 && context.step - self.looked >= again {
+            self.looked = context.step;
+            let look = look(context, &self.settings, &self.imaginer, stop);
+            if let Some(better) = look.again(followed.choice()) {
+                *followed = Followed::new(context, better, &self.settings);
+                rounds = followed.settings.first_rounds;
+            }
+        }
         let name = format!("plan/{}", context.step);
         // Who follows a motion, or walks, leaves the support on purpose, and is caught by the next step.
-        let stands = context.task.followed(context.progress).is_none() && !self.space.walks();
-        let extent = Extent { balance: stands && settings.balance_price > 0.0, ..self.extent };
+        let stands = context.task.followed(context.progress).is_none() && !followed.space.walks();
+        let extent = Extent { balance: stands && followed.settings.balance_price > 0.0, ..followed.extent };
         for round in 0..rounds {
-            let plans = self.proposals(context, round);
-            let present = Present { context: *context, space: &self.space, entries: &self.entries, name: &name };
-            let traces = self.imaginer.play(&present, &plans, extent, stop).ok_or(PolicyError::Interrupted)?;
-            let changes: Vec<f64> = plans.iter().map(|plan| plan.mean_square(self.extent.rest)).collect();
-            let values = self.judge.values(&traces, &changes);
-            self.search.update(&plans, &values, settings);
+            let plans = followed.proposals(context, round);
+            let Followed { space, entries, .. } = &*followed;
+            let proposals: Vec<Proposal<'_>> = plans.iter().map(|plan| Proposal { space, entries, plan }).collect();
+            let present = Present { context: *context, name: &name };
+            let traces = self.imaginer.play(&present, &proposals, extent, stop).ok_or(PolicyError::Interrupted)?;
+            let changes: Vec<f64> = plans.iter().map(|plan| plan.mean_square(followed.rest)).collect();
+            let values = followed.judge.values(&traces, &changes);
+            followed.search.update(&plans, &values, &followed.settings);
         }
-        self.planned = Some(context.step);
+        followed.planned = Some(context.step);
         Ok(())
+    }
+
+    /// Writes the action of the present step.
+    fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), String> {
+        match self.followed.take(context.step, action) {
+            Some((controls, entries)) => {
+                controls.act(context, entries, &mut self.memory, action).map_err(|error| error.to_string())
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+impl Followed {
+    /// Begins with a choice.
+    fn new(context: &PolicyContext<'_>, choice: Choice, given: &Settings) -> Self {
+        let Choice { space, plan, entries } = choice;
+        let frequency = context.task.control_frequency;
+        let walks = space.walks();
+        let settings = if walks { given.walking(|time| steps(time, frequency)) } else { given.clone() };
+        let extent = extent(context, &settings);
+        let sight = f64::from(extent.steps[0] + extent.steps[1]);
+        Self {
+            search: Search::around(plan, &settings),
+            judge: Judge {
+                steps: extent.steps,
+                tail_weight: settings.tail_weight,
+                failure_price: settings.failure_price * frequency,
+                balance_price: settings.balance_price * frequency,
+                // A body that changes its pace for next to nothing stumbles.
+                stay_price: if walks { STAY * sight } else { 0.0 },
+                change_price: settings.change_price * f64::from(extent.steps[0]),
+            },
+            rest: space.rest(context),
+            space,
+            settings,
+            extent,
+            planned: None,
+            asked: entries.clone(),
+            entries,
+        }
+    }
+
+    /// What it is at present.
+    fn choice(&self) -> Choice {
+        Choice { space: self.space.clone(), plan: self.search.plan.clone(), entries: self.entries.clone() }
+    }
+
+    /// Goes on by so many control steps.
+    fn advance(&mut self, steps: u32) {
+        let share = f64::from(steps) / f64::from(self.extent.steps[0]);
+        self.search.advance(share, self.rest, &self.settings);
     }
 
     /// The plans of a round: the present one, none at all, the mean of good ones, the present one as it fades, and proposals around these.
     fn proposals(&self, context: &PolicyContext<'_>, round: u32) -> Vec<Curve> {
         let (settings, Search { plan, mean, deviation }) = (&self.settings, &self.search);
-        let fading = plan.fading(self.extent.rest);
-        let idle = Curve { values: vec![self.extent.rest; plan.values.len()], ..plan.clone() };
+        let fading = plan.fading(self.rest);
+        let idle = Curve { values: vec![self.rest; plan.values.len()], ..plan.clone() };
         let noise = Noise { colour: settings.colour, part: settings.part };
         let own = if settings.seed == 0 { String::new() } else { format!("seed {}/", settings.seed) };
         let around = [plan, mean, plan, mean, plan, mean, plan, &idle];
@@ -174,17 +220,32 @@ impl Planning {
         plans
     }
 
-    /// Writes the action of the present step.
-    fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), String> {
-        let since = context.step - self.planned.unwrap_or(context.step);
+    /// What the plan asks for at a control step: an action, or entries of the controls that have to act.
+    fn take(&mut self, step: u32, action: &mut [f64]) -> Option<(&mut Controls, &[f64])> {
+        let since = step - self.planned.unwrap_or(step);
         self.search.plan.at(f64::from(since) / f64::from(self.extent.steps[0]), &mut self.asked);
         self.extent.smooth(&self.asked, &mut self.entries);
-        match self.space.take(&self.entries, action) {
-            Some((controls, entries)) => {
-                controls.act(context, entries, &mut self.memory, action).map_err(|error| error.to_string())
-            }
-            None => Ok(()),
-        }
+        self.space.take(&self.entries, action)
+    }
+}
+
+/// A look from the present on.
+fn look<'a>(context: &'a PolicyContext<'a>, settings: &'a Settings, imaginer: &'a Imaginer, stop: &'a AtomicBool) -> Look<'a> {
+    let steps = steps(settings.look, context.task.control_frequency);
+    Look { context, imaginer, settings, extent: extent(context, settings), steps, stop }
+}
+
+/// How plans of these settings are imagined.
+fn extent(context: &PolicyContext<'_>, settings: &Settings) -> Extent {
+    let in_steps = |time: f64| steps(time, context.task.control_frequency);
+    let Settings { horizon, tail, hold, rough, avoid_success, .. } = *settings;
+    Extent {
+        steps: [horizon, tail].map(in_steps),
+        hold: in_steps(hold).max(1),
+        rough,
+        avoid_success,
+        balance: false,
+        follow: follow_share(context.engine.control_period(), settings.smooth),
     }
 }
 

@@ -128,6 +128,8 @@ pub struct Settings {
     /// For how long each of what may have the targets is imagined by itself before the first plan, s: the best is followed. With 0 it is the task's
     /// reference motion, or its initial pose.
     pub look: f64,
+    /// After how long a body that walks is asked anew whether standing, or the demonstration from some time of it on, is better, s; 0 for never.
+    pub look_again: f64,
     /// How plans are improved.
     pub method: Method,
     /// How far a plan reaches, s.
@@ -203,6 +205,7 @@ impl Settings {
             preset,
             space: SpaceChoice::Auto,
             look: 5.0,
+            look_again: 0.5,
             method: Method::Cem,
             horizon: 0.6,
             tail: 0.2,
@@ -267,8 +270,9 @@ impl Settings {
     fn check(&self, text: &str) -> Result<(), SettingsError> {
         let checked = Checked::of(text);
         let [forward, left, turn] = self.targets.pace;
-        let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 24] = [
+        let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 25] = [
             ("look", self.look, 0.0..=10.0, "s"),
+            ("look_again", self.look_again, 0.0..=100.0, "s"),
             ("horizon", self.horizon, 0.01..=10.0, "s"),
             ("tail", self.tail, 0.0..=10.0, "s"),
             ("tail_weight", self.tail_weight, 0.0..=1000.0, ""),

@@ -36,11 +36,16 @@ pub(crate) struct Moved {
 }
 
 impl Space {
-    /// Of the episode of a context, which has just been reset.
+    /// Of the episode of a context, from the present on.
     ///
     /// # Errors
     /// The reason why the body or the task does not have it.
     pub fn new(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> Result<Self, String> {
+        Self::begun(context, choice, targets, 0.0)
+    }
+
+    /// The same, where a demonstration that is followed begins at a time of it, s.
+    fn begun(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets, start: f64) -> Result<Self, String> {
         let own = &context.task.action;
         let (space, shares) = match choice {
             SpaceChoice::Auto if own.is_default() => moved(context, targets)?,
@@ -50,6 +55,7 @@ impl Space {
             SpaceChoice::Synergies => (beside_control(families(context)?), Vec::new()),
         };
         let mut controls = Controls::new(context, space);
+        controls.start_at(start);
         controls.reset(context).map_err(|error| error.to_string())?;
         let size = controls.space().size(context.body.muscles.len());
         // Joints come first; what follows them has its whole range.
@@ -58,18 +64,29 @@ impl Space {
         Ok(Self::Other(Box::new(Moved { controls, entries: vec![0.0; size], shares, pace })))
     }
 
-    /// The space of the task's demonstration, where settings leave open whether it is followed, and it may lead to success: the task follows
+    /// The space of the task's demonstration from a time of it on, s, where settings leave open whether it is followed, and it may lead to success: the task follows
     /// no motion, and the demonstration decides nothing of what is drawn. One that does reaches for a place where nothing is in most episodes.
     ///
     /// # Errors
     /// As with [`new`](Self::new).
-    pub fn demonstrated(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> Result<Option<Self>, String> {
+    pub fn demonstrated(
+        context: &PolicyContext<'_>,
+        choice: SpaceChoice,
+        targets: &Targets,
+        start: f64,
+    ) -> Result<Option<Self>, String> {
         let follows_none = context.task.followed(context.progress).is_none();
         let fits = leaves_open(context, choice, targets) && follows_none;
         if !fits || demonstrated(context).is_none_or(|take| !take.given.is_empty()) {
             return Ok(None);
         }
-        Self::new(context, choice, &Targets { along: Along::Demonstration, ..targets.clone() }).map(Some)
+        Self::begun(context, choice, &Targets { along: Along::Demonstration, ..targets.clone() }, start).map(Some)
+    }
+
+    /// How long the task's demonstration takes, s; 0 without one.
+    pub fn demonstration_length(context: &PolicyContext<'_>) -> f64 {
+        let last = demonstrated(context).and_then(|take| take.script.last());
+        last.map_or(0.0, |keyframe| f64::from(keyframe.step) / context.task.control_frequency)
     }
 
     /// The space of a gait, where settings leave open what is followed, and the body can walk.
@@ -157,7 +174,7 @@ impl Space {
 }
 
 /// Whether plans move targets, of whatever serves them best.
-fn leaves_open(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> bool {
+pub(crate) fn leaves_open(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> bool {
     let moves_targets = match choice {
         SpaceChoice::Auto => context.task.action.is_default(),
         SpaceChoice::Targets => true,

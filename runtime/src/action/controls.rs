@@ -28,7 +28,14 @@ impl Controls {
         &self.space
     }
 
-    /// Prepares for an episode, which has just been reset.
+    /// Begins the demonstration that it follows, where it does, at that time of it at the next reset, s.
+    pub fn start_at(&mut self, start: f64) {
+        if let Some(tracker) = self.state.tracker_mut() {
+            tracker.start_at(start);
+        }
+    }
+
+    /// Prepares for an episode, which has just been reset, or for what is left of one: the pose, the places of hands and the pace are those of now.
     ///
     /// # Errors
     /// A body or task that the controller of the space cannot control.

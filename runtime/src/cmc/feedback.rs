@@ -10,7 +10,7 @@
 //! its velocity at the end of the hold, and its acceleration is added to the numerator. The wishes contradict each other (the feet cannot rest while
 //! every joint turns as it likes), so they meet in a [`compromise`](super::compromise).
 
-use super::wishes::{CentreWish, FootWish, Wishes};
+use super::wishes::{CentreWish, PointWish, Wishes};
 use super::{Offsets, Priority, View, gait::Step, goal::Goal, support::Point, turning};
 use crate::body::{Body, Joint};
 use msk_physics::scalar::Real;
@@ -224,7 +224,7 @@ impl Feedback {
                 factor: offsets.factor(Priority::Balance),
             };
         }
-        wishes.feet.extend(points.iter().filter_map(|point| step.wish(point)));
+        wishes.points.extend(points.iter().filter_map(|point| step.wish(point)));
         let factor = offsets.factor(Priority::Feet);
         share_weight(factor * factor, wishes);
     }
@@ -232,16 +232,16 @@ impl Feedback {
 
 /// Wishes for points of the feet that bear weight, with whether they shall rest.
 fn wish_rest(feet: impl Iterator<Item = (Point, bool)>, offsets: &Offsets, wishes: &mut Wishes) {
-    wishes.feet.extend(feet.map(|(point, rests)| FootWish::at_rest(point, if rests { 1.0 } else { 0.0 })));
+    wishes.points.extend(feet.map(|(point, rests)| PointWish::at_rest(point, if rests { 1.0 } else { 0.0 })));
     let weight = FEET.weight * offsets.factor(Priority::Feet);
     share_weight(weight * weight, wishes);
 }
 
 /// Multiplies the weights of points of the feet: all together weigh no more than [`FOOT_POINTS`].
 fn share_weight(weight: f64, wishes: &mut Wishes) {
-    let counting = wishes.feet.iter().filter(|wish| wish.law.weight > 0.0).count();
+    let counting = wishes.points.iter().filter(|wish| wish.law.weight > 0.0).count();
     let share = (FOOT_POINTS / counting as f64).at_most(1.0);
-    wishes.feet.iter_mut().for_each(|wish| wish.law.weight *= weight * share);
+    wishes.points.iter_mut().for_each(|wish| wish.law.weight *= weight * share);
 }
 
 /// Where joints shall be.

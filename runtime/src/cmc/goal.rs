@@ -29,8 +29,8 @@ pub(super) enum Course {
         /// From the table's root to where it was, m.
         shift: [f64; 3],
     },
-    /// A script, whose steps have this length, s; its last keyframe is held.
-    Script { script: Arc<Script>, period: f64 },
+    /// A script from a time of its own on, s, whose steps have the length `period`, s; its last keyframe is held.
+    Script { script: Arc<Script>, start: f64, period: f64 },
 }
 
 impl Course {
@@ -64,8 +64,8 @@ impl Course {
                 init.root.height = Some(at[2] + shift[2]);
                 body.place(model, &init.root, &init.coordinates, state, workspace);
             }
-            Self::Script { script, period } => {
-                let step = (time / period).at_least(0.0).at_most(f64::from(script.last()));
+            Self::Script { script, start, period } => {
+                let step = ((start + time) / period).at_least(0.0).at_most(f64::from(script.last()));
                 // Where joints do not reach on the way, they are as near as they come: the body is to be there.
                 let _as_near = script.place_between(step, model, body, state, workspace);
             }

@@ -32,6 +32,7 @@ mod dynamics;
 mod feedback;
 mod gait;
 mod goal;
+mod grips;
 mod group;
 mod motion;
 mod offsets;
@@ -59,6 +60,7 @@ use coordinates::Coordinates;
 use feedback::{Carried, Feedback};
 use gait::Gait;
 use goal::{Course, Follower};
+use grips::Grips;
 use msk_physics::model::Model;
 use msk_physics::scalar::Real;
 use msk_physics::{State, Workspace, moving_dofs};
@@ -155,6 +157,7 @@ struct Controller {
     hold: Hold,
     lead: Lead,
     support: Support,
+    grips: Grips,
     /// Level offset of the centre of mass from the middle of the feet, m: present goal and where it tends to.
     offset: Vector3<f64>,
     final_offset: Vector3<f64>,
@@ -200,6 +203,7 @@ impl Controller {
             hold,
             lead: Lead::default(),
             support,
+            grips: Grips::new(model),
             offset,
             final_offset: offset * (1.0 - LEAN),
             feedback: Feedback::new(body, pose, &legs, state, &workspace.kinematics),
@@ -276,6 +280,7 @@ impl Controller {
                 }
             },
         }
+        self.grips.wish(present, wishes);
         reaching.wish((present, &view), &self.hands, &self.feedback, offsets, wishes);
         muscles.reach(self.hold, &state.activation, activation::excitation_range(body.excitation), reach);
     }
@@ -290,6 +295,11 @@ impl Controller {
             *action = activation::action(body.excitation, excitation);
         }
     }
+}
+
+/// Four forces of which every other one is a sum: of a grip.
+fn tetrahedron() -> [Vector3<f64>; 4] {
+    [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]].map(Vector3::from)
 }
 
 /// The four edges of a linearised friction cone, each with a unit normal part.

@@ -10,10 +10,11 @@ use super::compromise::Compromise;
 use super::coordinates::{Coordinates, Slopes};
 use super::dynamics::Dynamics;
 use super::feedback::{Law, acceleration};
+use super::grips::Grips;
 use super::motion::Moved;
 use super::support::Support;
-use super::wishes::{FootWish, Wishes};
-use super::{CONTACT_COST, CONTACT_LIMIT, CONTACT_UNIT, MUSCLE_COST, friction_pyramid};
+use super::wishes::{Bearing, PointWish, Wishes};
+use super::{CONTACT_COST, CONTACT_LIMIT, CONTACT_UNIT, MUSCLE_COST, friction_pyramid, tetrahedron};
 use crate::body::Body;
 use msk_physics::model::Model;
 use msk_physics::scalar::Real;
@@ -122,11 +123,16 @@ impl<T: Real> Foot<T> {
         Self { key, carrier, position: zero(), edges: [zero(); 4], error, reference, law, limit: T::splat(0.0) }
     }
 
-    fn set(&mut self, lane: usize, wish: &FootWish) {
-        let FootWish { point, bears, law, error, moving, bending } = wish;
+    fn set(&mut self, lane: usize, wish: &PointWish) {
+        let PointWish { point, bearing, law, error, moving, bending } = wish;
         set_lane(&mut self.position, lane, &point.position);
-        if *bears {
-            for (edge, force) in self.edges.iter_mut().zip(friction_pyramid(point)) {
+        let forces = match bearing {
+            Bearing::None => None,
+            Bearing::Ground => Some(friction_pyramid(point)),
+            Bearing::Grip => Some(tetrahedron()),
+        };
+        if let Some(forces) = forces {
+            for (edge, force) in self.edges.iter_mut().zip(forces) {
                 set_lane(edge, lane, &(force * CONTACT_UNIT));
             }
             self.limit.set_lane(lane, CONTACT_LIMIT);
@@ -155,7 +161,11 @@ impl<T: Real> Share<T> {
         let centre = body.root.free.map(moved_root);
         let root = body.root.free.iter().flat_map(|(_, dof)| *dof..dof + 6);
         let moved_body = |body: usize| (body, Moved::body(model, &coordinates, body));
-        let carriers: Vec<(usize, Moved)> = Support::new(body).carriers(model).into_iter().map(moved_body).collect();
+        let mut carriers = Support::new(body).carriers(model);
+        carriers.extend(Grips::new(model).carriers());
+        carriers.sort_unstable();
+        carriers.dedup();
+        let carriers: Vec<(usize, Moved)> = carriers.into_iter().map(moved_body).collect();
         let moved = centre.as_ref().map(|centre| &centre.moved);
         let compromise = Compromise::new(&coordinates, (moved, root), carriers.iter().map(|(_, moved)| moved));
         let (size, zeros) = (coordinates.len(), vec![T::splat(0.0); coordinates.len()]);
@@ -225,7 +235,7 @@ impl<T: Real> Share<T> {
                 centre.laws.iter_mut().zip(&wishes.centre.laws).for_each(|(own, law)| own.set(lane, law));
                 centre.factor.set_lane(lane, wishes.centre.factor);
             }
-            let bearing = wishes.feet.iter().filter(|wish| wish.bears).count();
+            let bearing = wishes.points.iter().filter(|wish| wish.bearing != Bearing::None).count();
             self.count.set_lane(lane, (muscles + 4 * bearing) as f64);
             self.allocation.recall(lane, member.memory);
         }
@@ -239,7 +249,7 @@ impl<T: Real> Share<T> {
     fn lay_out_feet(&mut self, members: &[Member<'_>]) {
         self.feet.clear();
         for member in members {
-            for wish in &member.wishes.feet {
+            for wish in &member.wishes.points {
                 let key = wish.point.key;
                 let Some(carrier) = self.carriers.iter().position(|(body, _)| *body == wish.point.body) else { continue };
                 let place = self.feet.partition_point(|foot| foot.key < key);

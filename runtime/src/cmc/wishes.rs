@@ -10,8 +10,8 @@ pub(super) struct Wishes {
     /// Of each independent coordinate the weight of its wish, squared, and that times the acceleration wished for.
     pub coordinates: Vec<[f64; 2]>,
     pub centre: CentreWish,
-    /// Of points of the feet that bear weight or are to go somewhere, keys ascending.
-    pub feet: Vec<FootWish>,
+    /// Of points of the feet that bear weight or are to go somewhere, and of points that are held; keys ascending.
+    pub points: Vec<PointWish>,
 }
 
 /// The wish for an acceleration of the centre of mass, in world axes.
@@ -28,12 +28,22 @@ pub(super) struct CentreWish {
     pub factor: f64,
 }
 
-/// What is wished for of a point of a foot, in world axes.
+/// Which forces act at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Bearing {
+    /// None.
+    None,
+    /// The ground presses, and rubs.
+    Ground,
+    /// A grip pulls and pushes in every direction.
+    Grip,
+}
+
+/// What is wished for of a point of the body, in world axes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct FootWish {
+pub(super) struct PointWish {
     pub point: Point,
-    /// Whether it may bear weight.
-    pub bears: bool,
+    pub bearing: Bearing,
     /// Its weight is squared already: 0 for a point that moves as it likes.
     pub law: Law,
     /// From where it is to where it shall be, m.
@@ -43,11 +53,11 @@ pub(super) struct FootWish {
     pub bending: Vector3<f64>,
 }
 
-impl FootWish {
+impl PointWish {
     /// A point that bears weight, and comes to rest where it is with this weight, squared.
     pub fn at_rest(point: Point, weight: f64) -> Self {
         let zeros = Vector3::zeros();
-        Self { point, bears: true, law: Law { weight, ..FEET }, error: zeros, moving: zeros, bending: zeros }
+        Self { point, bearing: Bearing::Ground, law: Law { weight, ..FEET }, error: zeros, moving: zeros, bending: zeros }
     }
 }
 
@@ -64,7 +74,7 @@ impl Wishes {
         self.coordinates.clear();
         self.coordinates.resize(coordinates, [0.0; 2]);
         self.centre = CentreWish::default();
-        self.feet.clear();
+        self.points.clear();
     }
 
     /// Adds the wish of a coordinate for an acceleration.

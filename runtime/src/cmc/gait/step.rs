@@ -3,7 +3,7 @@
 use super::super::CONTACT_HEIGHT;
 use super::super::feedback::Law;
 use super::super::support::Point;
-use super::super::wishes::FootWish;
+use super::super::wishes::{Bearing, PointWish};
 use super::pendulum::SINGLE;
 use crate::cmc::{Present, turning};
 use core::ops::Range;
@@ -143,20 +143,20 @@ impl Way {
 
 impl Step {
     /// What is wished for of a point of a foot, if anything is.
-    pub fn wish(&self, point: &Point) -> Option<FootWish> {
+    pub fn wish(&self, point: &Point) -> Option<PointWish> {
         let near = point.height < CONTACT_HEIGHT;
         let Some(swing) = self.swing.as_ref().filter(|swing| swing.keys.contains(&point.key)) else {
-            return near.then(|| FootWish::at_rest(*point, STANCE));
+            return near.then(|| PointWish::at_rest(*point, STANCE));
         };
-        let bears = near && swing.lands;
+        let bearing = if near && swing.lands { Bearing::Ground } else { Bearing::None };
         if point.body != swing.body {
             // Toes go along.
-            return bears.then(|| FootWish::at_rest(*point, 0.0));
+            return (bearing == Bearing::Ground).then(|| PointWish::at_rest(*point, 0.0));
         }
         let ((middle, rotation), (goal, facing)) = (swing.present, swing.goal);
         let arm = rotation.transpose() * (point.position - middle);
         let error = goal + facing * arm - point.position;
-        Some(FootWish { point: *point, bears, law: SWING, error, moving: swing.moving, bending: swing.bending })
+        Some(PointWish { point: *point, bearing, law: SWING, error, moving: swing.moving, bending: swing.bending })
     }
 }
 
