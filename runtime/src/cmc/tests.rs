@@ -218,7 +218,7 @@ fn forces_in_lanes_have_the_bits_of_forces_alone() {
             scratch.allocate(&stand.present(), &mut own);
             alone.push((scratch.asked.clone(), own.memory));
         }
-        let feet: Vec<usize> = stands.iter().map(|(.., scratch)| scratch.wishes.feet.len()).collect();
+        let feet: Vec<usize> = stands.iter().map(|(.., scratch)| scratch.wishes.points.len()).collect();
         assert!(feet.contains(&0) && feet.iter().any(|count| *count > 3), "{feet:?} points bear weight");
         let mut members: Vec<_> =
             stands.iter_mut().map(|(lane, _, controller, scratch)| scratch.member(*lane, controller)).collect();
