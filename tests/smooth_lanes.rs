@@ -87,6 +87,9 @@ impl Real for Pair {
     fn less(self, other: Self) -> [bool; 2] {
         [self.0[0] < other.0[0], self.0[1] < other.0[1]]
     }
+    fn is_at_most(self, other: Self) -> [bool; 2] {
+        [self.0[0] <= other.0[0], self.0[1] <= other.0[1]]
+    }
     fn mask(holds: impl Fn(usize) -> bool) -> [bool; 2] {
         [holds(0), holds(1)]
     }

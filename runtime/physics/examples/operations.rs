@@ -3,8 +3,8 @@
 //! `cargo run --release -p msk-physics --example operations -- [model.xml] [falling|standing|crawling] [steps]`
 //!
 //! The physics is written over a scalar, so a scalar that counts is all it takes. It carries two episodes, as lanes do, so that the
-//! solver is the one of lanes; an operation on both counts once. The search for contacts and the numbers of constraint rows are found lane by
-//! lane in plain numbers, and are not counted.
+//! solver is the one of lanes; an operation on both counts once. Contacts that are found lane by lane in
+//! plain numbers are not counted.
 
 mod protocol;
 
@@ -109,6 +109,10 @@ impl Real for Counted {
     fn less(self, other: Self) -> [bool; 2] {
         COUNTS[SELECT].fetch_add(1, Ordering::Relaxed);
         [self.0[0] < other.0[0], self.0[1] < other.0[1]]
+    }
+    fn is_at_most(self, other: Self) -> [bool; 2] {
+        COUNTS[SELECT].fetch_add(1, Ordering::Relaxed);
+        [self.0[0] <= other.0[0], self.0[1] <= other.0[1]]
     }
     fn mask(holds: impl Fn(usize) -> bool) -> [bool; 2] {
         [holds(0), holds(1)]

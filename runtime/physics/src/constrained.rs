@@ -2,7 +2,8 @@
 
 use super::{
     Plan, Workspace,
-    collision::NearPairs,
+    batch::PerLane,
+    collision::{Contact, Memory, NearPairs},
     constraint::{Constraints, Extent},
     fault::{Fault, Quantity, is_valid},
     kinematics::Kinematics,
@@ -59,8 +60,13 @@ fn gather<T: Real>(to: &mut Vec<f64>, from: &[T], lane: usize) {
 
 /// Detects the contacts of all lanes. Needs positions.
 pub fn contacts<T: Real>(model: &Model, workspace: &mut Workspace<T>) {
-    workspace.arch.dispatch(FindNear { model, kinematics: &workspace.kinematics, near: &mut workspace.near });
-    each_lane(workspace, |workspace, own, lane| own.constraints.detect(model, workspace, lane));
+    let mut contacts: PerLane<&mut Vec<Contact>> = Default::default();
+    let Workspace { arch, kinematics, near, memory, lanes, masked, faults, .. } = workspace;
+    let living = masked.iter().zip(&*faults).map(|(masked, fault)| !masked && fault.is_none());
+    for ((list, own), lives) in contacts.iter_mut().zip(lanes).zip(living) {
+        *list = lives.then_some(&mut own.constraints.contacts);
+    }
+    arch.dispatch(FindContacts { model, kinematics, near, contacts, memory });
 }
 
 /// Builds the constraint rows of all lanes. Needs contacts, velocities and the bias of forces.
@@ -214,19 +220,23 @@ fn fault_of<T: Real>(
     outcome.err().map(|dof| Fault::of_pivot(model, time, dof))
 }
 
-/// The search for near pairs, compiled for each set of instructions.
-struct FindNear<'a, T: Real> {
+/// The search for near pairs and their contacts, compiled for each set of instructions.
+struct FindContacts<'a, T: Real> {
     model: &'a Model,
     kinematics: &'a Kinematics<T>,
     near: &'a mut NearPairs<T>,
+    contacts: PerLane<&'a mut Vec<Contact>>,
+    memory: &'a mut Memory<T>,
 }
 
-impl<T: Real> WithSimd for FindNear<'_, T> {
+impl<T: Real> WithSimd for FindContacts<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        self.near.update(self.model, self.kinematics);
+        let Self { model, kinematics, near, mut contacts, memory } = self;
+        near.update(model, kinematics);
+        near.detect(model, kinematics, &mut contacts, memory);
     }
 }
 

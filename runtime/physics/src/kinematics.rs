@@ -2,7 +2,7 @@
 
 use super::{
     rotation::{constant_quaternion, from_axis_angle, matrix, multiply, normalize},
-    spatial::{Spatial, constant, cross, lane_of, matrix_of, rotate, scale, spatial_zero, zero},
+    spatial::{Spatial, constant, cross, lane_of, matrix_of, product, rotate, scale, spatial_zero, zero},
     state::State,
 };
 use crate::{
@@ -132,10 +132,7 @@ impl<T: Real> Kinematics<T> {
 
     /// World orientation of a site (`site_xmat`).
     pub fn site_rotation(&self, model: &Model, site: usize) -> Matrix3<T> {
-        multiply_matrix(
-            &self.body_rotation[model.sites.body[site]],
-            &matrix(&constant_quaternion(&model.sites.orientation[site])),
-        )
+        product(&self.body_rotation[model.sites.body[site]], &matrix(&constant_quaternion(&model.sites.orientation[site])))
     }
 
     /// The point that all spatial vectors of `body` refer to: the centre of mass of its kinematic tree.
@@ -330,15 +327,6 @@ fn motion_axes<T: Real>(model: &Model, out: &mut Kinematics<T>) {
 fn turned<T: Real>(rotation: &Matrix3<T>, local: &Option<Matrix3<f64>>) -> Matrix3<T> {
     match local {
         None => *rotation,
-        Some(local) => multiply_matrix(rotation, &local.map(T::splat)),
+        Some(local) => product(rotation, &local.map(T::splat)),
     }
-}
-
-/// A B, written out so that it inlines over any scalar.
-#[inline(always)]
-fn multiply_matrix<T: Real>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
-    let x = rotate(a, &Vector3::new(b.m11, b.m21, b.m31));
-    let y = rotate(a, &Vector3::new(b.m12, b.m22, b.m32));
-    let z = rotate(a, &Vector3::new(b.m13, b.m23, b.m33));
-    Matrix3::new(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z)
 }

@@ -141,6 +141,10 @@ impl Real for Lanes {
         Mask(each!(LANE => if self.0[LANE] < other.0[LANE] { u64::MAX } else { 0 }))
     }
     #[inline(always)]
+    fn is_at_most(self, other: Self) -> Mask {
+        Mask(each!(LANE => if self.0[LANE] <= other.0[LANE] { u64::MAX } else { 0 }))
+    }
+    #[inline(always)]
     fn mask(holds: impl Fn(usize) -> bool) -> Mask {
         Mask(each!(LANE => if holds(LANE) { u64::MAX } else { 0 }))
     }

@@ -35,6 +35,8 @@ pub trait Real:
 
     /// `self < other`, lane by lane.
     fn less(self, other: Self) -> Self::Mask;
+    /// `self <= other`, lane by lane: not where either is NaN.
+    fn is_at_most(self, other: Self) -> Self::Mask;
     /// The mask that holds in the lanes for which `holds` does.
     fn mask(holds: impl Fn(usize) -> bool) -> Self::Mask;
     /// Whether the mask holds in lane `index < LANES`.
@@ -117,6 +119,10 @@ impl Real for f64 {
     #[inline(always)]
     fn less(self, other: Self) -> bool {
         self < other
+    }
+    #[inline(always)]
+    fn is_at_most(self, other: Self) -> bool {
+        self <= other
     }
     #[inline(always)]
     fn mask(holds: impl Fn(usize) -> bool) -> bool {

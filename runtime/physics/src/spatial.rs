@@ -53,10 +53,34 @@ pub fn cross<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
+/// -v
+#[inline(always)]
+pub fn opposite<T: Real>(v: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(-v.x, -v.y, -v.z)
+}
+
 /// v s
 #[inline(always)]
 pub fn scale<T: Real>(v: &Vector3<T>, s: T) -> Vector3<T> {
     Vector3::new(v.x * s, v.y * s, v.z * s)
+}
+
+/// v / s
+#[inline(always)]
+pub fn over<T: Real>(v: &Vector3<T>, s: T) -> Vector3<T> {
+    Vector3::new(v.x / s, v.y / s, v.z / s)
+}
+
+/// a + b
+#[inline(always)]
+pub fn plus<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(a.x + b.x, a.y + b.y, a.z + b.z)
+}
+
+/// a - b
+#[inline(always)]
+pub fn minus<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(a.x - b.x, a.y - b.y, a.z - b.z)
 }
 
 /// Euclidean norm.
@@ -83,6 +107,21 @@ pub fn rotate_back<T: Real>(r: &Matrix3<T>, v: &Vector3<T>) -> Vector3<T> {
         r.m12 * v.x + r.m22 * v.y + r.m32 * v.z,
         r.m13 * v.x + r.m23 * v.y + r.m33 * v.z,
     )
+}
+
+/// A B
+#[inline(always)]
+pub fn product<T: Real>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
+    let x = rotate(a, &Vector3::new(b.m11, b.m21, b.m31));
+    let y = rotate(a, &Vector3::new(b.m12, b.m22, b.m32));
+    let z = rotate(a, &Vector3::new(b.m13, b.m23, b.m33));
+    Matrix3::new(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z)
+}
+
+/// A'
+#[inline(always)]
+pub fn transposed<T: Real>(a: &Matrix3<T>) -> Matrix3<T> {
+    Matrix3::new(a.m11, a.m21, a.m31, a.m12, a.m22, a.m32, a.m13, a.m23, a.m33)
 }
 
 /// Power of a force along a motion (or any pairing of the two).

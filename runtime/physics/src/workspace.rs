@@ -2,8 +2,15 @@
 
 use super::integrator::{implicit::Implicit, runge_kutta::RungeKutta};
 use super::{
-    Fault, Instructions, Plan, actuation::Actuation, collision::NearPairs, constrained::ConstraintState, forces::Forces,
-    inertia::Inertia, kinematics::Kinematics, tendons::TendonPaths, velocities::Velocities,
+    Fault, Instructions, Plan,
+    actuation::Actuation,
+    collision::{Memory, NearPairs},
+    constrained::ConstraintState,
+    forces::Forces,
+    inertia::Inertia,
+    kinematics::Kinematics,
+    tendons::TendonPaths,
+    velocities::Velocities,
 };
 use crate::{
     model::{Cone, Integrator, Model},
@@ -20,6 +27,8 @@ pub struct Workspace<T: Real> {
     pub kinematics: Kinematics<T>,
     /// Pairs of geoms that are near each other.
     pub(crate) near: NearPairs<T>,
+    /// Memory of the search for contacts.
+    pub(crate) memory: Memory<T>,
     /// The mass matrix and its factor.
     pub inertia: Inertia<T>,
     /// Tendon lengths and velocities and the lines of action between bodies.
@@ -64,6 +73,7 @@ impl<T: Real> Workspace<T> {
         Self {
             kinematics: Kinematics::of(model, &plan.kinematics),
             near: NearPairs::of(&plan.pairs),
+            memory: Memory::new(),
             inertia: Inertia::of(model, &plan.armature),
             tendons: TendonPaths::of(model, &plan.tendons),
             velocities: Velocities::new(model),

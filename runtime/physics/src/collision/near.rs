@@ -1,7 +1,8 @@
 //! Pairs whose bounding spheres meet, and which the line between their centres does not part, of all lanes at once.
 
-use super::Plan;
+use super::{Contact, Memory, Plan};
 use crate::{
+    batch::PerLane,
     kinematics::Kinematics,
     model::{GeomKind, Model},
     scalar::Real,
@@ -26,6 +27,24 @@ pub struct NearPairs<T: Real> {
 impl<T: Real> NearPairs<T> {
     pub(crate) fn of(plan: &Arc<Plan>) -> Self {
         Self { plan: Arc::clone(plan), chosen: Vec::new(), pairs: Vec::new() }
+    }
+
+    /// Finds their contacts: see [`Plan::detect`].
+    #[inline(always)]
+    pub(crate) fn detect(
+        &self,
+        model: &Model,
+        kinematics: &Kinematics<T>,
+        contacts: &mut PerLane<&mut Vec<Contact>>,
+        memory: &mut Memory<T>,
+    ) {
+        self.plan.detect(model, (kinematics, self), contacts, memory);
+    }
+
+    /// The candidates that are near in any lane, ascending, with these lanes.
+    #[inline(always)]
+    pub(super) fn pairs(&self) -> impl Iterator<Item = (usize, T::Mask)> {
+        self.pairs.iter().copied()
     }
 
     /// The candidates that are near in a lane, ascending.
@@ -63,8 +82,7 @@ impl<T: Real> NearPairs<T> {
             if !own_shapes && T::any(near) {
                 // Centres in one place give no direction: nothing is less than NaN.
                 let direction = if plane { normal } else { scale(&between, T::splat(1.0) / norm(&between)) };
-                let mut reach =
-                    T::splat(candidate.margin + candidate.gap + SLACK) + extent(model, geom_rotation, second, &direction);
+                let mut reach = T::splat(candidate.reach() + SLACK) + extent(model, geom_rotation, second, &direction);
                 if !plane {
                     reach += extent(model, geom_rotation, first, &direction);
                 }
@@ -96,7 +114,6 @@ fn extent<T: Real>(model: &Model, rotation: &[Matrix3<T>], geom: usize, directio
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Memory, Placed, collide};
     use super::*;
     use crate::{State, Workspace, step};
     use proptest::prelude::*;
@@ -133,11 +150,14 @@ mod tests {
             let _ = crate::forward(&model, &state, &mut workspace);
             let near: Vec<usize> = workspace.near.in_lane(0).collect();
             let plan = Arc::clone(&workspace.lanes[0].constraints.plan);
-            for (index, candidate) in plan.candidates.iter().enumerate() {
-                let [first, second] = candidate.geoms.map(|geom| Placed::of(&model, &workspace.kinematics, 0, geom));
-                let Memory { mut found, mut scratch } = Memory::default();
-                collide(candidate, &first, &second, &mut scratch, &mut found);
-                prop_assert!(found.is_empty() || near.contains(&index), "{:?}: {found:?}", candidate.kinds);
+            let pairs = (0..plan.candidates.len()).map(|index| (index, true)).collect();
+            let all = NearPairs { plan: Arc::clone(&plan), chosen: Vec::new(), pairs };
+            let mut found: Vec<Contact> = Vec::new();
+            let mut lists = [const { None }; crate::lanes::WIDTH];
+            lists[0] = Some(&mut found);
+            plan.detect(&model, (&workspace.kinematics, &all), &mut lists, &mut Memory::new());
+            for contact in found {
+                prop_assert!(near.contains(&contact.candidate), "{:?}: {contact:?}", plan.candidates[contact.candidate].kinds);
             }
         }
     }

@@ -51,6 +51,11 @@ pub enum Sliding {
 }
 
 impl CollisionPair {
+    /// Distance up to which contacts are reported, m.
+    pub(super) fn reach(&self) -> f64 {
+        self.margin + self.gap
+    }
+
     /// The friction of its contacts where geoms have these sliding frictions.
     #[inline(always)]
     pub(in super::super) fn friction_with<T: Real>(&self, sliding: impl Fn(usize) -> T) -> [T; 5] {

@@ -5,7 +5,7 @@ use crate::{
     model::{GeomKind, HeightField, Mesh, Model},
     overrides::ShapeOverride,
     scalar::Real,
-    spatial::{lane_of, matrix_of},
+    spatial::{constant, lane_of, matrix_of},
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -20,17 +20,17 @@ pub enum Asset<'a> {
     HeightField(&'a HeightField),
 }
 
-/// A shape in the world.
+/// A shape in the world, of one episode or of all lanes.
 #[derive(Debug, Clone, Copy)]
-pub struct Placed<'a> {
+pub struct Placed<'a, T: Real = f64> {
     /// Kind.
     pub kind: GeomKind,
     /// Centre, m.
-    pub position: Vector3<f64>,
+    pub position: Vector3<T>,
     /// Rotation from the shape's axes to the world's.
-    pub rotation: Matrix3<f64>,
+    pub rotation: Matrix3<T>,
     /// Size as defined by its kind, m.
-    pub size: Vector3<f64>,
+    pub size: Vector3<T>,
     /// Form of meshes and height fields.
     pub asset: Asset<'a>,
 }
@@ -64,13 +64,40 @@ impl<'a> Placed<'a> {
         Self::new(model, kinematics.overrides.shape(lane, geom), geom, position, rotation)
     }
 
-    /// The z axis: a plane's normal, a capsule's axis.
-    pub(super) fn axis(&self) -> Vector3<f64> {
-        self.rotation.column(2).into_owned()
-    }
-
     /// A point or direction-from-the-centre of the world in the shape's axes.
     pub(super) fn local(&self, point: Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(&(point - self.position))
+    }
+}
+
+impl<'a, T: Real> Placed<'a, T> {
+    /// Geom `geom`, a primitive, where the kinematics of all lanes put it.
+    #[inline(always)]
+    pub(super) fn of_all(model: &Model, kinematics: &Kinematics<T>, geom: usize) -> Self {
+        let mut size: Vector3<T> = constant(&model.geoms.size[geom]);
+        if !kinematics.overrides.is_empty() {
+            for lane in 0..T::LANES {
+                if let Some(own) = kinematics.overrides.shape(lane, geom) {
+                    for axis in 0..3 {
+                        size[axis].set_lane(lane, own.size[axis]);
+                    }
+                }
+            }
+        }
+        let (position, rotation) = (kinematics.geom_position[geom], kinematics.geom_rotation[geom]);
+        Self { kind: model.geoms.kind[geom], position, rotation, size, asset: Asset::None }
+    }
+
+    /// As it is in one lane.
+    pub(super) fn in_lane(&self, lane: usize) -> Placed<'a> {
+        let Self { kind, position, rotation, size, asset } = self;
+        let (position, size) = (lane_of(position, lane), lane_of(size, lane));
+        Placed { kind: *kind, position, rotation: matrix_of(rotation, lane), size, asset: *asset }
+    }
+
+    /// The z axis: a plane's normal, a capsule's axis.
+    #[inline(always)]
+    pub(super) fn axis(&self) -> Vector3<T> {
+        Vector3::new(self.rotation.m13, self.rotation.m23, self.rotation.m33)
     }
 }

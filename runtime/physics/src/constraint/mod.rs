@@ -81,7 +81,6 @@ pub struct Constraints {
     velocity: Vec<f64>,
     /// Velocities of rows that no dof makes: those of contacts with bodies that are moved from outside.
     drift: Vec<(usize, f64)>,
-    memory: collision::Memory,
     /// A tendon's row of the Jacobian while it is gathered.
     arms: Vec<f64>,
 }
@@ -138,12 +137,6 @@ impl Constraints {
                 self.contacts[contact].force = self.jacobian.base_force(block, &self.rows.force);
             }
         }
-    }
-
-    /// Detects the contacts of the episode in `lane`. Needs the kinematics and the near pairs of `workspace`.
-    pub fn detect<T: Real>(&mut self, model: &Model, workspace: &Workspace<T>, lane: usize) {
-        let found = (&workspace.kinematics, &workspace.near);
-        self.plan.detect(model, found, lane, &mut self.contacts, &mut self.memory);
     }
 
     /// Builds all rows of the episode in `lane` from its positions, velocities and contacts.

@@ -16,7 +16,7 @@ use crate::{
         shortest_time_constant,
     },
     scalar::Real,
-    spatial::{cross, rotate, scale, zero},
+    spatial::{cross, minus, plus, rotate, scale, zero},
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -158,14 +158,4 @@ impl<T: Real> Slots<T> {
             self.rows.push(Row::new(touch.has, common, damping * down - pull, ONE_WAY));
         }
     }
-}
-
-#[inline(always)]
-fn plus<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
-    Vector3::new(a.x + b.x, a.y + b.y, a.z + b.z)
-}
-
-#[inline(always)]
-fn minus<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
-    Vector3::new(a.x - b.x, a.y - b.y, a.z - b.z)
 }
