@@ -3,8 +3,8 @@
 //!     cargo bench --bench control
 //!
 //! Eight episodes of a task in the lanes of one worker under the policy `cmc`, and one alone. Wall-clock time per episode and control
-//! step, medians of the rounds: for a machine that does nothing else. Then eight whole episodes of every task of the suite, and the mean over
-//! all their control steps.
+//! step, medians of the rounds: for a machine that does nothing else. Then eight lanes of every task of the suite for as many control steps as its
+//! horizon has, and the mean over all: an episode that ends is followed by the next in its lane, as in an environment that resets by itself.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a benchmark ends at its first failure")]
 
 use msk::compiler::compile;
@@ -30,9 +30,9 @@ fn main() {
         }
     }
     let mut all = Spent::default();
-    println!("\n{:<18} {:>7} {:>15} {:>15}", "whole episodes", "steps", "controller, us", "rest, us");
+    println!("\n{:<18} {:>7} {:>15} {:>15}", "one after another", "steps", "controller, us", "rest, us");
     for engine in engines(|_| true) {
-        let spent = play(&engine, 8, usize::MAX);
+        let spent = play(&engine, 8, engine.task().horizon as usize);
         println!("{:<18} {spent}", engine.task().name);
         all = Spent { control: all.control + spent.control, rest: all.rest + spent.rest, steps: all.steps + spent.steps };
     }
@@ -90,28 +90,29 @@ fn engines(wanted: impl Fn(&str) -> bool) -> impl Iterator<Item = Engine> {
     })
 }
 
-/// The first `most` control steps of some episodes. Those that end are left out from there on.
+/// So many control steps of as many lanes. An episode that ends is followed by the next.
 fn play(engine: &Engine, count: usize, most: usize) -> Spent {
     let mut scratch = engine.group_scratch(count);
     let weights = engine.task().weights();
     let mut policies: Vec<Box<dyn Policy>> = (0..count).map(|_| create("cmc").unwrap()).collect();
     let mut episodes: Vec<_> = (0..count).map(|_| engine.episode()).collect();
-    let mut rates = Vec::new();
-    for (lane, episode) in episodes.iter_mut().enumerate() {
-        let key = EpisodeKey { seed: 1, episode: lane as u64 };
-        rates.push(scratch.begin(lane, engine, (key, &[]), episode));
-        policies[lane].reset(&engine.context(episode, &weights, scratch.lane(lane))).unwrap();
-    }
+    let mut rates: Vec<_> = (0..count).map(|_| None).collect();
+    let mut next = 0;
     let mut actions: Vec<_> = policies.iter().map(|policy| engine.action(policy.acts_on())).collect();
     let mut spent = Spent::default();
-    for _ in 0..most {
+    for step in 0..most {
+        for (lane, episode) in episodes.iter_mut().enumerate().filter(|(_, episode)| step == 0 || episode.ending().is_some()) {
+            let key = EpisodeKey { seed: 1, episode: next };
+            next += 1;
+            rates[lane] = scratch.begin(lane, engine, (key, &[]), episode);
+            policies[lane].reset(&engine.context(episode, &weights, scratch.lane(lane))).unwrap();
+        }
         let start = seconds();
         let mut controlled: Vec<Controlled<'_>> = policies
             .iter_mut()
             .zip(&episodes)
             .zip(&mut actions)
             .enumerate()
-            .filter(|(_, ((_, episode), _))| episode.ending().is_none())
             .map(|(lane, ((policy, episode), action))| Controlled {
                 lane,
                 engine,
@@ -122,15 +123,10 @@ fn play(engine: &Engine, count: usize, most: usize) -> Spent {
                 action: &mut action.entries,
             })
             .collect();
-        let count = controlled.len();
-        if count == 0 {
-            break;
-        }
         scratch.control(&mut controlled).into_iter().for_each(|acted| acted.unwrap());
         let middle = seconds();
         scratch.step(episodes.iter_mut().zip(&mut rates).zip(&actions).map(|((episode, rates), action)| {
-            let goes_on = episode.ending().is_none();
-            goes_on.then(|| Member { engine, episode, rates, weights: &weights, action: action.into() })
+            Some(Member { engine, episode, rates, weights: &weights, action: action.into() })
         }));
         spent.control += middle - start;
         spent.rest += seconds() - middle;

@@ -71,7 +71,7 @@ const PITCH: f64 = 85.0;
 /// How long a crawling body sinks before its episode begins, s: first its fingers touch the ground, then knees and feet, too.
 const SINKING: f64 = 0.12;
 
-/// The first state of an episode. On the ground means lowered until something touches.
+/// The first state of an episode. On the ground means lowered until something touches it.
 pub fn initial_state(model: &Model, protocol: Protocol) -> Result<State<f64>, Fault> {
     let mut state = State::new(model);
     let free = model.joints.kind.iter().position(|kind| *kind == JointKind::Free);
@@ -92,7 +92,7 @@ pub fn initial_state(model: &Model, protocol: Protocol) -> Result<State<f64>, Fa
     Ok(state)
 }
 
-/// Lowers the coordinate `height` until something touches.
+/// Lowers the coordinate `height` until something touches what stands still.
 fn lower(model: &Model, height: usize, state: &mut State<f64>) -> Result<(), Fault> {
     let mut workspace = Workspace::new(model);
     let start = state.position[height];
@@ -101,7 +101,10 @@ fn lower(model: &Model, height: usize, state: &mut State<f64>) -> Result<(), Fau
         let middle = 0.5 * (low + high);
         state.position[height] = start + middle;
         motion(model, state, &mut workspace)?;
-        let touches = workspace.lanes[0].constraints.contacts.iter().any(|contact| contact.distance < 0.0);
+        // A body may touch itself wherever it is.
+        let fixed = |geom: usize| model.geoms.body[geom] == 0;
+        let contacts = &workspace.lanes[0].constraints.contacts;
+        let touches = contacts.iter().any(|contact| contact.distance < 0.0 && contact.geoms.iter().any(|&geom| fixed(geom)));
         if touches { low = middle } else { high = middle }
     }
     Ok(())
