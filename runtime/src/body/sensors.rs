@@ -252,7 +252,7 @@ impl Snapshot<'_> {
     }
 
     /// Angular momentum about the body's own centre of mass: Σ R I R'ω + m (x - c) × (v - v_c).
-    fn angular_momentum(&self) -> Vector3<f64> {
+    pub(crate) fn angular_momentum(&self) -> Vector3<f64> {
         let (bodies, kinematics) = (&self.model.bodies, &self.workspace.kinematics);
         let centre = self.body.centre_of_mass(self.model, kinematics);
         let drift = self.com_velocity();

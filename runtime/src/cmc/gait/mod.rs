@@ -6,6 +6,8 @@
 //!
 //! A body that is to stay stands on both feet, and steps if it is pushed too far.
 
+mod pace;
+mod path;
 mod pendulum;
 mod step;
 mod terrain;
@@ -23,8 +25,10 @@ use msk_physics::scalar::Real;
 use msk_physics::{Workspace, kinematics};
 use msk_program::task::RootPlacement;
 use nalgebra::{Vector2, Vector3};
+use pace::Manner;
+use path::Path;
 use pendulum::{BOTH, Pendulum, SINGLE, pressure};
-use step::{Foot, Placed, Swing};
+use step::{Foot, Placed, Roll, Swing};
 
 /// How a body shall walk.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -36,18 +40,17 @@ pub(crate) struct Walk {
 }
 
 /// Between the middles of the soles of a body that goes straight on, m; of one that is to stay, which a narrower stance lets fall; the least; and how far a
-/// foot reaches ahead, back and to its side, m.
+/// foot reaches back and to its side, m.
 const WIDTH: f64 = 0.16;
 const STANDING_WIDTH: f64 = 0.2;
 const LEAST_WIDTH: f64 = 0.11;
-const REACH: [f64; 3] = [0.7, -0.6, 0.5];
+const REACH: [f64; 2] = [-0.6, 0.5];
 /// How far out or in a foot points at most, rad.
 const TOES: f64 = 0.1;
 /// How far the centre of pressure may be from the middle of a sole, forward and to the side, m.
 const SOLE: [f64; 2] = [0.065, 0.03];
-/// By how much a body that walks is lower than one that stands, m, so that its knees are bent, and how far it leans forward, rad.
-const LOWER: f64 = 0.046;
-const LEAN: f64 = 0.054;
+/// A body is past the foot that bears when it is this far ahead of the middle of its sole, m.
+const PAST: f64 = 0.1;
 /// The greatest pace with which a gait starts, m/s: one of a body that comes faster makes shorter steps than it needs, and slows down.
 const START_PACE: f64 = 0.4;
 /// How fast a pace changes, m/s² and rad/s².
@@ -99,6 +102,9 @@ pub(super) struct Gait {
     pressure: Vector2<f64>,
     /// How it walks now: a body does not change its pace at once.
     walk: Walk,
+    /// How it walks in the present step.
+    manner: Manner,
+    path: Path,
     /// The control step of the last hold.
     step: Option<u32>,
 }
@@ -108,6 +114,8 @@ struct Now {
     pendulum: Pendulum,
     com: Vector3<f64>,
     capture: Vector2<f64>,
+    /// Of the angular momentum about the centre of mass, ω l / m g (`pendulum`), m.
+    momentum: Vector2<f64>,
     placed: [Placed; 2],
     /// s.
     hold: f64,
@@ -143,13 +151,15 @@ impl Gait {
             heading,
             begun: heading,
             height: com.z - level,
-            usual_height: standing_height(present) - LOWER,
+            usual_height: standing_height(present),
             level,
             level_begun: level,
             rise: 0.0,
             phase: Phase::Standing,
             pressure: (placed[0].middle.xy() + placed[1].middle.xy()) * 0.5,
             walk: Walk { velocity: Vector2::new(pace.x.clip(-START_PACE, START_PACE), 0.0), turn: 0.0 },
+            manner: Manner::of(0.0),
+            path: Path(com.xy()),
             step: None,
         };
         gait.begin(&placed, pace.x);
@@ -194,7 +204,7 @@ impl Gait {
             Phase::Stepping { stance, time, from, lifted } => self.stride(&now, present, (stance, time, from, lifted)),
         };
         self.pressure = pressure;
-        let placement = RootPlacement { heading: self.heading, pitch: LEAN, ..RootPlacement::default() };
+        let placement = RootPlacement { heading: self.heading, pitch: self.manner.lean, ..RootPlacement::default() };
         let facing = present.body.facing(&placement);
         Some(Step {
             orientation: rotation::from_matrix(&facing),
@@ -203,6 +213,7 @@ impl Gait {
             rise: self.rise,
             acceleration: (now.com.xy() - pressure) * (now.pendulum.omega * now.pendulum.omega),
             swing,
+            roll: self.roll(&now),
         })
     }
 
@@ -218,18 +229,22 @@ impl Gait {
     }
 
     fn look(&self, present: &Present<'_>, points: &[Point], hold: f64) -> Now {
-        let &Present { body, model, workspace, .. } = present;
+        let &Present { body, model, state, workspace } = present;
         let com = workspace.kinematics.subtree_com[body.root.body];
-        let pendulum = Pendulum::new(self.height, (-model.options.gravity.z).at_least(1.0));
+        let gravity = (-model.options.gravity.z).at_least(1.0);
+        let pendulum = Pendulum::new(self.height, gravity);
         let capture = com.xy() + velocity(present).xy() / pendulum.omega;
-        Now { pendulum, com, capture, placed: self.feet.each_ref().map(|foot| foot.placed(present, points)), hold }
+        let weight = workspace.kinematics.subtree_mass[body.root.body] * gravity;
+        let spin = Snapshot { body, model, state, workspace }.angular_momentum();
+        let momentum = Vector2::new(spin.y, -spin.x) * (pendulum.omega / weight.at_least(1.0));
+        Now { pendulum, com, capture, momentum, placed: self.feet.each_ref().map(|foot| foot.placed(present, points)), hold }
     }
 
     fn change_pace(&mut self, walk: &Walk, hold: f64) {
         let change = walk.velocity - self.walk.velocity;
         let most = QUICKENING * hold;
         self.walk.velocity += if change.norm() > most { change * (most / change.norm()) } else { change };
-        self.height += (self.usual_height - self.height).clip(-RISING * hold, RISING * hold);
+        self.height += (self.usual_height - self.manner.lower - self.height).clip(-RISING * hold, RISING * hold);
         self.walk.turn += (walk.turn - self.walk.turn).clip(-TURNING * hold, TURNING * hold);
         self.heading += self.walk.turn * hold;
     }
@@ -239,6 +254,7 @@ impl Gait {
     }
 
     fn change_phase(&mut self, now: &Now) {
+        let before = self.phase;
         let moves = self.moves();
         let pushed = now.capture - now.centre();
         self.phase = match self.phase {
@@ -256,6 +272,21 @@ impl Gait {
             },
             phase => phase,
         };
+        // A step that has begun goes on as it began.
+        let goes_on = matches!((before, self.phase), (Phase::Stepping { stance, .. }, Phase::Stepping { stance: now, .. }) if stance == now);
+        if !goes_on {
+            self.manner = Manner::of(self.walk.velocity.x);
+        }
+    }
+
+    /// The foot whose heel may rise.
+    fn roll(&self, now: &Now) -> Option<Roll> {
+        let Phase::Stepping { stance, time, .. } = self.phase else { return None };
+        let forward = turning::level(Vector2::new(1.0, 0.0), self.heading);
+        let past = (now.com.xy() - now.middle(stance)).dot(&forward) > PAST;
+        let foot = if time < BOTH { 1 - stance } else { stance };
+        let heel = self.manner.heel;
+        (time < BOTH || past).then(|| Roll { keys: self.feet[foot].keys.clone(), middle: now.middle(foot), forward, heel })
     }
 
     /// How far the capture point is from the middle of a sole towards the other, m.
@@ -282,11 +313,14 @@ impl Gait {
         present: &Present<'_>,
         (stance, time, from, lifted): (usize, f64, Vector2<f64>, Option<Placed>),
     ) -> (Vector2<f64>, Option<Swing>) {
-        let (pendulum, swung) = (&now.pendulum, &self.feet[1 - stance]);
+        let (pendulum, manner, swung) = (&now.pendulum, &self.manner, &self.feet[1 - stance]);
         let places = [from, now.middle(stance)];
         let width = if self.moves() { WIDTH } else { STANDING_WIDTH };
-        let course = pendulum.course(self.walk.velocity, Vector2::new(0.0, swung.side * width));
+        let velocity = self.path.follow(now.com.xy(), self.walk.velocity, self.heading, manner.returning);
+        let course = pendulum.course(velocity, Vector2::new(0.0, swung.side * width));
         let end = turning::level(pendulum.end(now.capture, time, places) - now.middle(stance), -self.heading);
+        let momentum = turning::level(now.momentum, -self.heading).x * manner.foreseen;
+        let end = end + pendulum.swung(time, Vector2::new(momentum, 0.0));
         let authority = pendulum.authority(time);
         let wanted = (end - pendulum.usual_end(&course)) / authority.at_least(1e-3);
         let within = Vector2::new(wanted.x.clip(-SOLE[0], SOLE[0]), wanted.y.clip(-SOLE[1], SOLE[1]));
@@ -295,16 +329,19 @@ impl Gait {
             true => self.within_both(now, usual + turning::level(wanted, self.heading)),
             false => usual + turning::level(within, self.heading),
         };
-        let lifted = lifted.or_else(|| (time + now.hold > BOTH).then(|| now.placed[1 - stance]));
+        let lifted = lifted.or_else(|| (time + now.hold > BOTH - manner.early).then(|| now.placed[1 - stance]));
         let way = lifted.map(|from| {
             let landing = pendulum.landing(end - within * authority, &course);
-            let aside = (swung.side * landing.y).clip(LEAST_WIDTH, REACH[2]) * swung.side;
-            let landing = turning::level(Vector2::new(landing.x.clip(REACH[1], REACH[0]), aside), self.heading);
+            let aside = (swung.side * landing.y).clip(LEAST_WIDTH, REACH[1]) * swung.side;
+            let landing =
+                turning::level(Vector2::new((landing.x - manner.short).clip(REACH[0], manner.reach), aside), self.heading);
             let bearing = &now.placed[stance];
             let place = (now.middle(stance) + landing).push(bearing.ground());
             terrain::way(present, from, place, self.heading + swung.toes)
         });
-        let swing = way.as_ref().map(|way| way.swing(swung, present, now.placed[1 - stance].middle, [time - BOTH, now.hold]));
+        let swing = way.as_ref().map(|way| {
+            way.swing((swung, manner), present, now.placed[1 - stance].middle, [time - BOTH + manner.early, now.hold])
+        });
         let lands = way.map_or(now.placed[1 - stance].ground(), |way| way.to.z);
         self.climb(0.5 * (now.placed[stance].ground() + lands), BOTH + SINGLE - time, now.hold);
         self.phase = Phase::Stepping { stance, time: time + now.hold, from, lifted };

@@ -13,6 +13,14 @@
 //! and fro, at -s (1 + K) / (E + 1). A foot that lands where the next step will end as the gait has it makes good whatever has
 //! happened, within two steps (compare Khadiv et al., Walking control based on step timing adaptation, IEEE Trans. Robotics 36, 2020).
 
+//! The leg that swings turns the body's whole about its centre of mass. With its angular momentum L the ground pushes besides, sideways from where it presses
+//! (Popovic, Goswami & Herr, Ground reference points in legged locomotion, Int. J. Robotics Research 24, 2005): with m the mass and l = (L_y, -L_x)
+//!
+//! > ξ̇ = ω (ξ - z) - ω l̇ / m g.
+//!
+//! If l goes evenly to zero until the step ends, a time r from now, ξ is then ahead of what the pressure alone would make of it by
+//! ω l / m g · (exp(ωr) - 1) / ωr. Without that a foot would be sent too far ahead in the first half of its way, and called back in the second.
+
 use msk_physics::scalar::Real;
 use nalgebra::Vector2;
 
@@ -61,6 +69,12 @@ impl Pendulum {
     pub fn end(&self, capture: Vector2<f64>, time: f64, [from, to]: [Vector2<f64>; 2]) -> Vector2<f64> {
         let landed = self.run(capture, [pressure(time, [from, to]), to], BOTH - time);
         self.run(landed, [to, to], (BOTH + SINGLE - time).at_most(SINGLE))
+    }
+
+    /// By how much it ends further ahead for an angular momentum that is spent until then: ω l / m g now, m.
+    pub fn swung(&self, time: f64, momentum: Vector2<f64>) -> Vector2<f64> {
+        let rest = (BOTH + SINGLE - time).at_least(1e-3);
+        momentum * (self.authority(time) / (self.omega * rest))
     }
 
     /// By how much it ends further back if the pressure is further ahead by 1 from `time` on.
@@ -117,6 +131,22 @@ mod tests {
                 found += (half - pressure(time, places)) * (pendulum.omega * period);
             }
             prop_assert!((found - pendulum.end(vector(capture), begun, places)).norm() < 1e-5);
+        }
+
+        #[test]
+        fn momentum_that_is_spent_evenly_brings_the_capture_point_where_it_is_foreseen(
+            momentum in prop::array::uniform2(-0.1..0.1_f64), begun in 0.0..0.9 * (BOTH + SINGLE),
+        ) {
+            let pendulum = Pendulum::new(0.9, 9.81);
+            let (steps, rest) = (20_000, BOTH + SINGLE - begun);
+            let period = rest / f64::from(steps);
+            let mut found = Vector2::zeros();
+            for _ in 0..steps {
+                // The midpoint rule, over the middle of the foot.
+                let slope = |capture: Vector2<f64>| capture * pendulum.omega + vector(momentum) / rest;
+                found += slope(found + slope(found) * (0.5 * period)) * period;
+            }
+            prop_assert!((found - pendulum.swung(begun, vector(momentum))).norm() < 1e-5);
         }
 
         #[test]

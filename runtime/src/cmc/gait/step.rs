@@ -4,6 +4,7 @@ use super::super::CONTACT_HEIGHT;
 use super::super::feedback::Law;
 use super::super::support::Point;
 use super::super::wishes::{Bearing, PointWish};
+use super::pace::Manner;
 use super::pendulum::SINGLE;
 use crate::cmc::{Present, turning};
 use core::ops::Range;
@@ -60,6 +61,18 @@ pub(in crate::cmc) struct Step {
     /// Of the centre of mass along the ground, m/s².
     pub acceleration: Vector2<f64>,
     pub(super) swing: Option<Swing>,
+    pub(super) roll: Option<Roll>,
+}
+
+/// A foot that bears and that the body has passed: its heel may rise.
+#[derive(Debug, Clone)]
+pub(super) struct Roll {
+    pub keys: Range<usize>,
+    /// The middle of its sole, m, and where it points.
+    pub middle: Vector2<f64>,
+    pub forward: Vector2<f64>,
+    /// How much its heel shall rest: a weight, squared.
+    pub heel: f64,
 }
 
 /// The way of a foot in one hold.
@@ -72,7 +85,10 @@ pub(super) struct Swing {
     goal: (Vector3<f64>, Matrix3<f64>),
     moving: Vector3<f64>,
     bending: Vector3<f64>,
-    lands: bool,
+    /// How much more its height counts than its way along the ground.
+    clearing: f64,
+    /// Whether it may bear where it meets the ground.
+    bears: bool,
 }
 
 /// Where a foot goes after it has left the ground.
@@ -123,10 +139,18 @@ impl Way {
         eased(share).1
     }
 
-    /// What is to be done `time` (s) after the foot has left, in a hold of that length, s.
-    pub fn swing(&self, foot: &Foot, present: &Present<'_>, middle: Vector3<f64>, [time, hold]: [f64; 2]) -> Swing {
-        let [now, next, later] = [0.0, 1.0, 2.0].map(|holds| self.at((time + holds * hold) / SINGLE));
-        let (along, _) = eased((time + hold) / SINGLE);
+    /// What is to be done `time` (s) after the foot has left, in a hold of that length, s, by a foot whose sole has its middle there.
+    pub fn swing(
+        &self,
+        (foot, manner): (&Foot, &Manner),
+        present: &Present<'_>,
+        middle: Vector3<f64>,
+        [time, hold]: [f64; 2],
+    ) -> Swing {
+        let share = |time: f64| time / (SINGLE + manner.early);
+        let (bearing, time) = (time < manner.early, time + manner.ahead);
+        let [now, next, later] = [0.0, 1.0, 2.0].map(|holds| self.at(share(time + holds * hold)));
+        let (along, _) = eased(share(time + hold));
         let heading = self.from.heading + turning::between(self.from.heading, self.heading) * along;
         let rotation = present.workspace.kinematics.body_rotation[foot.body] * foot.axes;
         Swing {
@@ -136,7 +160,8 @@ impl Way {
             goal: (next, upright(heading, &self.normal)),
             moving: (later - now) / (2.0 * hold),
             bending: (later - next * 2.0 + now) / (hold * hold),
-            lands: time > LANDS * SINGLE,
+            clearing: manner.clearing,
+            bears: bearing || share(time) > LANDS,
         }
     }
 }
@@ -146,16 +171,20 @@ impl Step {
     pub fn wish(&self, point: &Point) -> Option<PointWish> {
         let near = point.height < CONTACT_HEIGHT;
         let Some(swing) = self.swing.as_ref().filter(|swing| swing.keys.contains(&point.key)) else {
-            return near.then(|| PointWish::at_rest(*point, STANCE));
+            let rolls =
+                |roll: &&Roll| roll.keys.contains(&point.key) && (point.position.xy() - roll.middle).dot(&roll.forward) < 0.0;
+            let weight = self.roll.as_ref().filter(rolls).map_or(STANCE, |roll| roll.heel);
+            return near.then(|| PointWish::at_rest(*point, weight));
         };
-        let bearing = if near && swing.lands { Bearing::Ground } else { Bearing::None };
+        let bearing = if near && swing.bears { Bearing::Ground } else { Bearing::None };
         if point.body != swing.body {
             // Toes go along.
             return (bearing == Bearing::Ground).then(|| PointWish::at_rest(*point, 0.0));
         }
         let ((middle, rotation), (goal, facing)) = (swing.present, swing.goal);
         let arm = rotation.transpose() * (point.position - middle);
-        let error = goal + facing * arm - point.position;
+        let mut error = goal + facing * arm - point.position;
+        error.z *= swing.clearing;
         Some(PointWish { point: *point, bearing, law: SWING, error, moving: swing.moving, bending: swing.bending })
     }
 }
