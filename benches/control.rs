@@ -125,9 +125,11 @@ fn play(engine: &Engine, count: usize, most: usize) -> Spent {
             .collect();
         scratch.control(&mut controlled).into_iter().for_each(|acted| acted.unwrap());
         let middle = seconds();
-        scratch.step(episodes.iter_mut().zip(&mut rates).zip(&actions).map(|((episode, rates), action)| {
-            Some(Member { engine, episode, rates, weights: &weights, action: action.into() })
-        }));
+        scratch.step(
+            episodes.iter_mut().zip(&mut rates).zip(&actions).map(|((episode, rates), action)| {
+                Some(Member { engine, episode, rates, weights: &weights, action: action.into() })
+            }),
+        );
         spent.control += middle - start;
         spent.rest += seconds() - middle;
         spent.steps += count as f64;

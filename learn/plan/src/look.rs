@@ -3,11 +3,17 @@
 
 use crate::curve::Curve;
 use crate::imagine::{Extent, Imaginer, Present, Proposal};
-use crate::settings::Settings;
+use crate::settings::{Settings, Targets};
 use crate::space::{Space, leaves_open};
 use crate::value::Trace;
 use msk_runtime::policy::PolicyContext;
 use std::sync::atomic::AtomicBool;
+
+/// The fastest pace forward.
+const FASTEST: [f64; 3] = [1.0, 0.0, 0.0];
+
+/// Those at which a fast gait is imagined.
+const FAST_PACES: [[f64; 3]; 4] = [[0.7, 0.0, 0.0], [0.8, 0.0, 0.0], [0.9, 0.0, 0.0], FASTEST];
 
 /// Paces at which a gait is imagined, as shares of the largest: forward, left, turn.
 const PACES: [[f64; 3]; 16] = [
@@ -17,7 +23,7 @@ const PACES: [[f64; 3]; 16] = [
     [0.6, 0.0, 0.0],
     [0.7, 0.0, 0.0],
     [0.8, 0.0, 0.0],
-    [1.0, 0.0, 0.0],
+    FASTEST,
     [-0.3, 0.0, 0.0],
     [-0.6, 0.0, 0.0],
     [0.0, 0.7, 0.0],
@@ -35,6 +41,13 @@ pub(crate) struct Choice {
     pub space: Space,
     pub plan: Curve,
     pub entries: Vec<f64>,
+}
+
+impl Choice {
+    /// Whether its plan asks for a pace, as shares of the largest.
+    fn asks_for(&self, pace: [f64; 3]) -> bool {
+        self.space.walks() && self.plan.values.get(self.space.pace()) == Some(&pace)
+    }
 }
 
 /// A comparison of choices from the present on.
@@ -56,24 +69,36 @@ impl Look<'_> {
     /// # Errors
     /// As with [`Space::new`].
     pub fn choose(&self, first: Space) -> Result<Choice, String> {
+        let Settings { targets, .. } = self.settings;
         let mut choices = vec![self.idle(first)];
         if self.steps > 0 {
             choices.extend(self.demonstrated(0.0)?);
-            let walking = Space::walking(self.context, self.settings.space, &self.settings.targets);
-            choices.extend(walking.into_iter().flat_map(|space| PACES.map(|pace| self.paced(&space, pace))));
+            choices.extend(self.walking(targets, &PACES));
         }
-        let worths = self.worths(&choices);
-        // Of those that are worth the same the first; where the run is to stop, none was imagined to its end.
+        let mut worths = self.worths(&choices);
+        let mut best = self.best(&choices, &worths);
+        // Where the fastest of usual paces serves best, faster ones may serve better.
+        if choices[best].asks_for(FASTEST) && targets.fast > targets.pace[0] {
+            let [_, left, turn] = targets.pace;
+            let faster = self.walking(&Targets { pace: [targets.fast, left, turn], ..targets.clone() }, &FAST_PACES);
+            worths.extend(self.worths(&faster));
+            choices.extend(faster);
+            best = self.best(&choices, &worths);
+        }
+        Ok(choices.swap_remove(best))
+    }
+
+    /// Of choices that are worth the same the first; where the run is to stop, none was imagined to its end.
+    fn best(&self, choices: &[Choice], worths: &[Worth]) -> usize {
         let mut best = 0;
-        for (index, worth) in worths.iter().enumerate() {
+        for (index, (Choice { space, .. }, worth)) in choices.iter().zip(worths).enumerate() {
             // A gait that serves as well as a pose steps wherever its hands lead it.
-            let Choice { space, .. } = &choices[index];
             let steps = space.walks() && space.reaches() && !choices[best].space.walks();
             if *worth > worths[best] || (steps && worth.is_about(&worths[best])) {
                 best = index;
             }
         }
-        Ok(choices.swap_remove(best))
+        best
     }
 
     /// What serves a body better that walks in `present` than to go on: to stand as it does now, or to do what the demonstration shows from some time of it
@@ -111,6 +136,12 @@ impl Look<'_> {
     fn demonstrated(&self, start: f64) -> Result<Option<Choice>, String> {
         let space = Space::demonstrated(self.context, self.settings.space, &self.settings.targets, start)?;
         Ok(space.map(|space| self.idle(space)))
+    }
+
+    /// The gait of these targets at constant paces, where the body may walk.
+    fn walking(&self, targets: &Targets, paces: &[[f64; 3]]) -> Vec<Choice> {
+        let space = Space::walking(self.context, self.settings.space, targets);
+        space.map_or_else(Vec::new, |space| paces.iter().map(|&pace| self.paced(&space, pace)).collect())
     }
 
     /// A gait at a constant pace.

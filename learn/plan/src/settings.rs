@@ -81,6 +81,8 @@ pub struct Targets {
     pub priority_factor: f64,
     /// Largest speeds of a gait forward and to the left, m/s, and of its turn, rad/s. Of its balance plans move nothing else.
     pub pace: [f64; 3],
+    /// The largest speed forward of a fast gait, m/s, which is tried where the largest pace forward serves best; 0 for none.
+    pub fast: f64,
     /// What has the targets that are moved.
     pub along: Along,
 }
@@ -112,6 +114,7 @@ impl Default for Targets {
             reach: 0.6,
             priority_factor: 4.0,
             pace: [1.0, 0.2, 0.5],
+            fast: 1.8,
             along: Along::Auto,
         }
     }
@@ -270,7 +273,7 @@ impl Settings {
     fn check(&self, text: &str) -> Result<(), SettingsError> {
         let checked = Checked::of(text);
         let [forward, left, turn] = self.targets.pace;
-        let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 25] = [
+        let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 26] = [
             ("look", self.look, 0.0..=10.0, "s"),
             ("look_again", self.look_again, 0.0..=100.0, "s"),
             ("horizon", self.horizon, 0.01..=10.0, "s"),
@@ -293,6 +296,7 @@ impl Settings {
             ("root", self.targets.root, 0.0..=3.2, "rad"),
             ("reach", self.targets.reach, 0.0..=2.0, "m"),
             ("pace", forward, 0.01..=2.0, "m/s"),
+            ("fast", self.targets.fast, 0.0..=2.0, "m/s"),
             ("pace", left, 0.01..=1.0, "m/s"),
             ("pace", turn, 0.01..=2.0, "rad/s"),
             ("priority_factor", self.targets.priority_factor, 1.0..=100.0, ""),
