@@ -148,7 +148,7 @@ impl Way {
         [time, hold]: [f64; 2],
     ) -> Swing {
         let share = |time: f64| time / (SINGLE + manner.early);
-        let (bearing, time) = (time < manner.early, time + manner.ahead);
+        let (bearing, time) = (time + hold <= manner.early, time + manner.ahead);
         let [now, next, later] = [0.0, 1.0, 2.0].map(|holds| self.at(share(time + holds * hold)));
         let (along, _) = eased(share(time + hold));
         let heading = self.from.heading + turning::between(self.from.heading, self.heading) * along;
