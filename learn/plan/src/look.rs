@@ -75,30 +75,33 @@ impl Look<'_> {
             choices.extend(self.demonstrated(0.0)?);
             choices.extend(self.walking(targets, &PACES));
         }
-        let mut worths = self.worths(&choices);
-        let mut best = self.best(&choices, &worths);
-        // Where the fastest of usual paces serves best, faster ones may serve better.
-        if choices[best].asks_for(FASTEST) && targets.fast > targets.pace[0] {
-            let [_, left, turn] = targets.pace;
-            let faster = self.walking(&Targets { pace: [targets.fast, left, turn], ..targets.clone() }, &FAST_PACES);
-            worths.extend(self.worths(&faster));
-            choices.extend(faster);
-            best = self.best(&choices, &worths);
-        }
-        Ok(choices.swap_remove(best))
-    }
-
-    /// Of choices that are worth the same the first; where the run is to stop, none was imagined to its end.
-    fn best(&self, choices: &[Choice], worths: &[Worth]) -> usize {
+        let worths = self.worths(&choices);
+        // Of those that are worth the same the first; where the run is to stop, none was imagined to its end.
         let mut best = 0;
-        for (index, (Choice { space, .. }, worth)) in choices.iter().zip(worths).enumerate() {
+        for (index, worth) in worths.iter().enumerate() {
             // A gait that serves as well as a pose steps wherever its hands lead it.
+            let Choice { space, .. } = &choices[index];
             let steps = space.walks() && space.reaches() && !choices[best].space.walks();
             if *worth > worths[best] || (steps && worth.is_about(&worths[best])) {
                 best = index;
             }
         }
-        best
+        let (best, worth) = (choices.swap_remove(best), worths[best]);
+        Ok(self.faster(&best, &worth).unwrap_or(best))
+    }
+
+    /// A fast gait, where the fastest of usual paces is the best choice, and that is much better. It is less sure of its steps.
+    fn faster(&self, best: &Choice, worth: &Worth) -> Option<Choice> {
+        let Settings { targets, .. } = self.settings;
+        let [forward, left, turn] = targets.pace;
+        if !best.asks_for(FASTEST) || targets.fast <= forward {
+            return None;
+        }
+        let mut choices = self.walking(&Targets { pace: [targets.fast, left, turn], ..targets.clone() }, &FAST_PACES);
+        let worths = self.worths(&choices);
+        let much = worths.iter().enumerate().filter(|(_, other)| other.is_more_than(worth, FASTER));
+        let (fastest, _) = much.max_by(|(_, a), (_, b)| a.reward.total_cmp(&b.reward))?;
+        Some(choices.swap_remove(fastest))
     }
 
     /// What serves a body better that walks in `present` than to go on: to stand as it does now, or to do what the demonstration shows from some time of it
@@ -117,7 +120,7 @@ impl Look<'_> {
         let worths = self.worths(&choices);
         let mut best = 0;
         for (index, worth) in worths.iter().enumerate() {
-            if *worth > worths[best] && worth.is_much_more_than(&worths[0]) {
+            if *worth > worths[best] && worth.is_more_than(&worths[0], MUCH) {
                 best = index;
             }
         }
@@ -199,8 +202,9 @@ const LASTING: usize = 2;
 /// Rewards that differ by this share are about the same.
 const ABOUT: f64 = 0.02;
 
-/// By which share of its reward something else has to be better than to walk on.
-const MUCH: f64 = 0.1;
+/// By which share of its reward something else has to be better than to walk on, from which there is no way back, and a fast gait than a usual one.
+const MUCH: f64 = 0.5;
+const FASTER: f64 = 0.3;
 
 /// Times of a demonstration from which a body may go on that has walked: so many, evenly over its length. With walking on and standing still they fill
 /// one group of lanes.
@@ -213,9 +217,9 @@ impl Worth {
         (self.lasts, self.steps) == (other.lasts, other.steps) && near
     }
 
-    /// Whether it lasts, and is worth much more than another or the other does not last.
-    fn is_much_more_than(&self, other: &Self) -> bool {
-        let more = self.reward - other.reward > MUCH * other.reward.abs();
+    /// Whether it lasts, and earns more than another by a share of that, or the other does not last.
+    fn is_more_than(&self, other: &Self, share: f64) -> bool {
+        let more = self.reward - other.reward > share * other.reward.abs();
         self.lasts && (more || !other.lasts)
     }
 
