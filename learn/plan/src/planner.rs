@@ -29,7 +29,7 @@ struct Planning {
     /// As they are given.
     settings: Settings,
     followed: Followed,
-    /// The control step of the last look.
+    /// The control step of the last look, or until which none is taken.
     looked: u32,
     memory: ControlMemory,
 }
@@ -104,7 +104,7 @@ impl Planning {
             imaginer,
             settings: settings.clone(),
             followed: Followed::new(context, choice, settings),
-            looked: context.step,
+            looked: context.step + steps(SETTLING, context.task.control_frequency),
             memory: ControlMemory::default(),
         })
     }
@@ -122,7 +122,7 @@ impl Planning {
             None => followed.settings.first_rounds,
         };
         let again = steps(self.settings.look_again, context.task.control_frequency);
-        if followed.space.walks() && again > 0 && context.step - self.looked >= again {
+        if followed.space.walks() && again > 0 && context.step.saturating_sub(self.looked) >= again {
             self.looked = context.step;
             let look = look(context, &self.settings, &self.imaginer, stop);
             if let Some(better) = look.again(followed.choice()) {
@@ -248,6 +248,9 @@ fn extent(context: &PolicyContext<'_>, settings: &Settings) -> Extent {
         follow: follow_share(context.engine.control_period(), settings.smooth),
     }
 }
+
+/// For how long the first plans of an episode improve before they are compared with anything else, s.
+const SETTLING: f64 = 1.0;
 
 /// By which share of the reward in sight another pace has to be better than the present one.
 const STAY: f64 = 0.1;
