@@ -90,11 +90,13 @@ impl Look<'_> {
         Ok(self.faster(&best, &worth).unwrap_or(best))
     }
 
-    /// A fast gait, where the fastest of usual paces is the best choice, and that is much better. It is less sure of its steps.
+    /// A fast gait, where the fastest of usual paces is the best choice, and that is much better. It is less sure of its steps, and falls on slopes and
+    /// stairs.
     fn faster(&self, best: &Choice, worth: &Worth) -> Option<Choice> {
         let Settings { targets, .. } = self.settings;
         let [forward, left, turn] = targets.pace;
-        if !best.asks_for(FASTEST) || targets.fast <= forward {
+        let level = self.context.body.ground == self.context.body.level;
+        if !best.asks_for(FASTEST) || targets.fast <= forward || !level {
             return None;
         }
         let mut choices = self.walking(&Targets { pace: [targets.fast, left, turn], ..targets.clone() }, &FAST_PACES);

@@ -81,7 +81,7 @@ pub struct Targets {
     pub priority_factor: f64,
     /// Largest speeds of a gait forward and to the left, m/s, and of its turn, rad/s. Of its balance plans move nothing else.
     pub pace: [f64; 3],
-    /// The largest speed forward of a fast gait, m/s, which is taken where the largest pace forward serves best and it earns much more; 0 for none.
+    /// The largest speed forward of a fast gait, m/s, which is taken on level ground where the largest pace forward serves best and it earns much more; 0 for none.
     pub fast: f64,
     /// What has the targets that are moved.
     pub along: Along,
