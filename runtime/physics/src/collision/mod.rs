@@ -3,7 +3,7 @@
 //! 1. [`Plan::new`] decides once per model which pairs of geoms can ever meet (MuJoCo's filters: contact bits, welded and
 //!    neighbouring bodies, exclusions, explicit pairs), in MuJoCo's order, and mixes their contact parameters;
 //! 2. [`NearPairs`] passes over resting shapes far from a moving one, and tests in all lanes whether the other pairs can be near;
-//! 3. [`Plan::detect`] calls the collider of those that are close.
+//! 3. `Plan::detect` calls the collider of those that are close.
 //!
 //! A human body on a plane has about 160 such pairs, so testing all of them costs less than keeping any tree of volumes up
 //! to date; a scene adds resting shapes by the hundred, which are sorted once. Planes against all but meshes, and spheres and capsules
