@@ -75,7 +75,7 @@ impl Look<'_> {
             choices.extend(self.demonstrated(0.0)?);
             choices.extend(self.walking(targets, &PACES));
         }
-        let worths = self.worths(&choices);
+        let worths = self.worths(&choices, KEPT);
         // Of those that are worth the same the first; where the run is to stop, none was imagined to its end.
         let mut best = 0;
         for (index, worth) in worths.iter().enumerate() {
@@ -100,7 +100,7 @@ impl Look<'_> {
             return None;
         }
         let mut choices = self.walking(&Targets { pace: [targets.fast, left, turn], ..targets.clone() }, &FAST_PACES);
-        let worths = self.worths(&choices);
+        let worths = self.worths(&choices, KEPT);
         let much = worths.iter().enumerate().filter(|(_, other)| other.is_more_than(worth, FASTER));
         let (fastest, _) = much.max_by(|(_, a), (_, b)| a.reward.total_cmp(&b.reward))?;
         Some(choices.swap_remove(fastest))
@@ -119,7 +119,8 @@ impl Look<'_> {
         let length = Space::demonstration_length(self.context);
         let starts = (1..=PARTS).map(|part| length * f64::from(part) / f64::from(PARTS));
         choices.extend(starts.filter_map(|start| self.demonstrated(start).ok().flatten()));
-        let worths = self.worths(&choices);
+        // From what a body changes over to there is no way back, so it has to last.
+        let worths = self.worths(&choices, 1.0);
         let mut best = 0;
         for (index, worth) in worths.iter().enumerate() {
             if *worth > worths[best] && worth.is_more_than(&worths[0], MUCH) {
@@ -156,8 +157,8 @@ impl Look<'_> {
         choice
     }
 
-    /// What choices are worth; the only one that there is need not be imagined.
-    fn worths(&self, choices: &[Choice]) -> Vec<Worth> {
+    /// What choices are worth, where a pose lasts that does so for that share of the look; the only one that there is need not be imagined.
+    fn worths(&self, choices: &[Choice], kept: f64) -> Vec<Worth> {
         if choices.len() == 1 {
             return vec![Worth::default()];
         }
@@ -169,7 +170,7 @@ impl Look<'_> {
         let traces = self.imaginer.play(&present, &proposals, extent, self.stop).unwrap_or_default();
         let worth = |(trace, choice): (&Trace, &Choice)| {
             // Plans keep up a pose that falls late; what a gait is when it falls, they see too late.
-            let enough = if choice.space.walks() { self.steps } else { (KEPT * f64::from(self.steps)) as u32 };
+            let enough = if choice.space.walks() { self.steps } else { (kept * f64::from(self.steps)) as u32 };
             Worth::of(trace, enough)
         };
         let mut worths: Vec<Worth> = traces.iter().zip(choices).map(worth).collect();
