@@ -206,7 +206,7 @@ const LASTING: usize = 2;
 const ABOUT: f64 = 0.02;
 
 /// By which share of its reward something else has to be better than to walk on, from which there is no way back, and a fast gait than a usual one.
-const MUCH: f64 = 0.5;
+const MUCH: f64 = 2.0;
 const FASTER: f64 = 0.3;
 
 /// Times of a demonstration from which a body may go on that has walked: so many, evenly over its length. With walking on and standing still they fill
