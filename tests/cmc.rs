@@ -80,17 +80,21 @@ fn cmc_follows_the_reference_of_the_task() {
     assert!(sums[0] < 0.5 * sums[1], "off by {} rad, {} in the pose of the beginning", sums[0] / 40.0, sums[1] / 40.0);
 }
 
-#[test]
-fn the_demonstration_follows_the_script_of_the_tests() {
-    let trial = trial("squat");
+/// Takes so many control steps under the demonstration.
+fn demonstrate(episode: &mut Environment, steps: usize) {
     let mut policy = policy::create("demonstration").unwrap();
-    let mut episode = trial.episode().unwrap();
     policy.reset(&episode.context()).unwrap();
     let mut action = vec![0.0; episode.context().body.muscles.len()];
-    for _ in 0..100 {
+    for _ in 0..steps {
         policy.act(&episode.context(), &mut action).unwrap();
         episode.step(&action).unwrap();
     }
+}
+
+#[test]
+fn the_demonstration_follows_the_script_of_the_tests() {
+    let mut episode = trial("squat").episode().unwrap();
+    demonstrate(&mut episode, 100);
     // The script bends hips and knees by 86 degrees within two seconds.
     let context = episode.context();
     for (name, half) in [("hip_flexion_r", 43.0), ("knee_angle_l", 43.0)] {
@@ -113,20 +117,13 @@ fn physics_goes_on_past_the_ends_of_a_task() {
 
 #[test]
 fn a_body_whose_hands_are_welded_to_a_bar_pulls_itself_up() {
-    let trial = trial("chin_up");
-    let mut policy = policy::create("demonstration").unwrap();
-    let mut episode = trial.episode().unwrap();
-    policy.reset(&episode.context()).unwrap();
-    let mut action = vec![0.0; episode.context().body.muscles.len()];
+    let mut episode = trial("chin_up").episode().unwrap();
     let height = |episode: &Environment| {
         let context = episode.context();
         context.state.position[context.body.root.free.unwrap().0 + 2]
     };
     let begun = height(&episode);
-    for _ in 0..50 {
-        policy.act(&episode.context(), &mut action).unwrap();
-        episode.step(&action).unwrap();
-    }
+    demonstrate(&mut episode, 50);
     let risen = height(&episode) - begun;
     assert!(risen > 0.4, "by {risen} m in a second");
 }

@@ -4,7 +4,7 @@
 use crate::curve::Curve;
 use crate::imagine::{Extent, Imaginer, Present, Proposal};
 use crate::settings::{Settings, Targets};
-use crate::space::{Space, leaves_open};
+use crate::space::Space;
 use crate::value::Trace;
 use msk_runtime::policy::PolicyContext;
 use std::sync::atomic::AtomicBool;
@@ -72,7 +72,7 @@ impl Look<'_> {
         let Settings { targets, .. } = self.settings;
         let mut choices = vec![self.idle(first)];
         if self.steps > 0 {
-            choices.extend(self.demonstrated(0.0)?);
+            choices.extend(self.demonstrated()?.map(|space| self.idle(space)));
             choices.extend(self.walking(targets, &PACES));
         }
         let worths = self.worths(&choices, KEPT);
@@ -106,19 +106,14 @@ impl Look<'_> {
         Some(choices.swap_remove(fastest))
     }
 
-    /// What serves a body better that walks in `present` than to go on: to stand as it does now, or to do what the demonstration shows from some time of it
-    /// on.
+    /// The demonstration from some time of it on, if it serves a body better that walks in `present` than to go on. A gait can stand by itself.
     pub fn again(&self, present: Choice) -> Option<Choice> {
-        let Settings { space, targets, .. } = self.settings;
-        if !leaves_open(self.context, *space, targets) {
-            return None;
-        }
-        let mut choices = vec![present];
         // What cannot be followed from here, though it could at the start of the episode, is no choice.
-        choices.extend(Space::new(self.context, *space, targets).ok().map(|space| self.idle(space)));
+        let shown = self.demonstrated().ok().flatten()?;
         let length = Space::demonstration_length(self.context);
         let starts = (1..=PARTS).map(|part| length * f64::from(part) / f64::from(PARTS));
-        choices.extend(starts.filter_map(|start| self.demonstrated(start).ok().flatten()));
+        let parts = starts.map(|start| self.idle(shown.clone().gone_on_from(start)));
+        let mut choices: Vec<Choice> = [present].into_iter().chain(parts).collect();
         // From what a body changes over to there is no way back, so it has to last.
         let worths = self.worths(&choices, 1.0);
         let mut best = 0;
@@ -138,10 +133,9 @@ impl Look<'_> {
         Choice { space, plan: Curve::constant(rest, knots + 1, size, interpolation), entries: vec![rest; size] }
     }
 
-    /// The demonstration from that time of it on, s, if it may be followed.
-    fn demonstrated(&self, start: f64) -> Result<Option<Choice>, String> {
-        let space = Space::demonstrated(self.context, self.settings.space, &self.settings.targets, start)?;
-        Ok(space.map(|space| self.idle(space)))
+    /// The demonstration, if it may be followed.
+    fn demonstrated(&self) -> Result<Option<Space>, String> {
+        Space::demonstrated(self.context, self.settings.space, &self.settings.targets)
     }
 
     /// The gait of these targets at constant paces, where the body may walk.
@@ -206,11 +200,10 @@ const LASTING: usize = 2;
 const ABOUT: f64 = 0.02;
 
 /// By which share of its reward something else has to be better than to walk on, from which there is no way back, and a fast gait than a usual one.
-const MUCH: f64 = 2.0;
+const MUCH: f64 = 0.5;
 const FASTER: f64 = 0.3;
 
-/// Times of a demonstration from which a body may go on that has walked: so many, evenly over its length. With walking on and standing still they fill
-/// one group of lanes.
+/// Times of a demonstration from which a body may go on that has walked: so many, evenly over its length. With walking on they fit one group of lanes.
 const PARTS: u32 = 6;
 
 impl Worth {
@@ -220,10 +213,9 @@ impl Worth {
         (self.lasts, self.steps) == (other.lasts, other.steps) && near
     }
 
-    /// Whether it lasts, and earns more than another by a share of that, or the other does not last.
+    /// Whether it lasts, and earns more than another by a share of that.
     fn is_more_than(&self, other: &Self, share: f64) -> bool {
-        let more = self.reward - other.reward > share * other.reward.abs();
-        self.lasts && (more || !other.lasts)
+        self.lasts && self.reward - other.reward > share * other.reward.abs()
     }
 
     /// Of a trace that lasts if it does not fail within so many control steps.

@@ -111,25 +111,16 @@ impl Planning {
 
     /// Plans where the present plan has been followed for long enough.
     fn plan(&mut self, context: &PolicyContext<'_>, stop: &AtomicBool) -> Result<(), PolicyError> {
-        let followed = &mut self.followed;
-        let since = followed.planned.map(|planned| context.step - planned);
-        let mut rounds = match since {
-            Some(since) if since < followed.settings.replan => return Ok(()),
-            Some(since) => {
-                followed.advance(since);
-                followed.settings.rounds
+        if let Some(planned) = self.followed.planned {
+            let since = context.step - planned;
+            if since < self.followed.settings.replan {
+                return Ok(());
             }
-            None => followed.settings.first_rounds,
-        };
-        let again = steps(self.settings.look_again, context.task.control_frequency);
-        if followed.space.walks() && again > 0 && context.step.saturating_sub(self.looked) >= again {
-            self.looked = context.step;
-            let look = look(context, &self.settings, &self.imaginer, stop);
-            if let Some(better) = look.again(followed.choice()) {
-                *followed = Followed::new(context, better, &self.settings);
-                rounds = followed.settings.first_rounds;
-            }
+            self.followed.advance(since);
+            self.look_again(context, stop);
         }
+        let followed = &mut self.followed;
+        let rounds = if followed.planned.is_some() { followed.settings.rounds } else { followed.settings.first_rounds };
         let name = format!("plan/{}", context.step);
         // Who follows a motion, or walks, leaves the support on purpose, and is caught by the next step.
         let stands = context.task.followed(context.progress).is_none() && !followed.space.walks();
@@ -146,6 +137,19 @@ impl Planning {
         }
         followed.planned = Some(context.step);
         Ok(())
+    }
+
+    /// Changes over, where the body walks and it is time to ask, to what serves better than to walk on.
+    fn look_again(&mut self, context: &PolicyContext<'_>, stop: &AtomicBool) {
+        let again = steps(self.settings.look_again, context.task.control_frequency);
+        if !self.followed.space.walks() || again == 0 || context.step.saturating_sub(self.looked) < again {
+            return;
+        }
+        self.looked = context.step;
+        let better = look(context, &self.settings, &self.imaginer, stop).again(self.followed.choice());
+        if let Some(better) = better {
+            self.followed = Followed::new(context, better, &self.settings);
+        }
     }
 
     /// Writes the action of the present step.

@@ -131,7 +131,7 @@ pub struct Settings {
     /// For how long each of what may have the targets is imagined by itself before the first plan, s: the best is followed. With 0 it is the task's
     /// reference motion, or its initial pose.
     pub look: f64,
-    /// After how long a body that walks is asked anew whether standing, or the demonstration from some time of it on, is better, s; 0 for never.
+    /// After how long a body that walks is asked anew whether the demonstration from some time of it on is better, s; 0 for never.
     pub look_again: f64,
     /// How plans are improved.
     pub method: Method,

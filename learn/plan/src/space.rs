@@ -41,11 +41,6 @@ impl Space {
     /// # Errors
     /// The reason why the body or the task does not have it.
     pub fn new(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> Result<Self, String> {
-        Self::begun(context, choice, targets, 0.0)
-    }
-
-    /// The same, where a demonstration that is followed begins at a time of it, s.
-    fn begun(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets, start: f64) -> Result<Self, String> {
         let own = &context.task.action;
         let (space, shares) = match choice {
             SpaceChoice::Auto if own.is_default() => moved(context, targets)?,
@@ -55,7 +50,6 @@ impl Space {
             SpaceChoice::Synergies => (beside_control(families(context)?), Vec::new()),
         };
         let mut controls = Controls::new(context, space);
-        controls.start_at(start);
         controls.reset(context).map_err(|error| error.to_string())?;
         let size = controls.space().size(context.body.muscles.len());
         // Joints come first; what follows them has its whole range.
@@ -64,23 +58,27 @@ impl Space {
         Ok(Self::Other(Box::new(Moved { controls, entries: vec![0.0; size], shares, pace })))
     }
 
-    /// The space of the task's demonstration from a time of it on, s, where settings leave open whether it is followed, and it may lead to success: the task follows
+    /// The space of the task's demonstration, where settings leave open whether it is followed, and it may lead to success: the task follows
     /// no motion, and the demonstration decides nothing of what is drawn. One that does reaches for a place where nothing is in most episodes.
     ///
     /// # Errors
     /// As with [`new`](Self::new).
-    pub fn demonstrated(
-        context: &PolicyContext<'_>,
-        choice: SpaceChoice,
-        targets: &Targets,
-        start: f64,
-    ) -> Result<Option<Self>, String> {
+    pub fn demonstrated(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> Result<Option<Self>, String> {
         let follows_none = context.task.followed(context.progress).is_none();
         let fits = leaves_open(context, choice, targets) && follows_none;
         if !fits || demonstrated(context).is_none_or(|take| !take.given.is_empty()) {
             return Ok(None);
         }
-        Self::begun(context, choice, &Targets { along: Along::Demonstration, ..targets.clone() }, start).map(Some)
+        Self::new(context, choice, &Targets { along: Along::Demonstration, ..targets.clone() }).map(Some)
+    }
+
+    /// The same space, which goes on with the demonstration from that time of it, s.
+    #[must_use]
+    pub fn gone_on_from(mut self, start: f64) -> Self {
+        if let Self::Other(moved) = &mut self {
+            moved.controls.go_on_from(start);
+        }
+        self
     }
 
     /// How long the task's demonstration takes, s; 0 without one.
@@ -174,7 +172,7 @@ impl Space {
 }
 
 /// Whether plans move targets, of whatever serves them best.
-pub(crate) fn leaves_open(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> bool {
+fn leaves_open(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targets) -> bool {
     let moves_targets = match choice {
         SpaceChoice::Auto => context.task.action.is_default(),
         SpaceChoice::Targets => true,

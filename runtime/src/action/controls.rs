@@ -28,13 +28,6 @@ impl Controls {
         &self.space
     }
 
-    /// Begins the demonstration that it follows, where it does, at that time of it at the next reset, s.
-    pub fn start_at(&mut self, start: f64) {
-        if let Some(tracker) = self.state.tracker_mut() {
-            tracker.start_at(start);
-        }
-    }
-
     /// Prepares for an episode, which has just been reset, or for what is left of one: the pose, the places of hands and the pace are those of now.
     ///
     /// # Errors
@@ -42,6 +35,13 @@ impl Controls {
     pub fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), ControlError> {
         self.state.clear(&self.space);
         self.state.reset(&context.moment())
+    }
+
+    /// Goes on with the demonstration that it follows, where it does, from that time of it, s. To be called before it acts.
+    pub fn go_on_from(&mut self, start: f64) {
+        if let Some(tracker) = self.state.tracker_mut() {
+            tracker.go_on_from(start);
+        }
     }
 
     /// Entries that are kept where an action of this episode gives none.

@@ -130,6 +130,13 @@ impl Follower {
         }
     }
 
+    /// Goes on with a script from that time of it, s, in place of its beginning.
+    pub fn go_on_from(&mut self, time: f64) {
+        if let Course::Script { start, .. } = &mut self.course {
+            (*start, self.next) = (time, None);
+        }
+    }
+
     /// Fills the goal for the hold that begins now, `index` holds after the course began.
     pub fn advance(&mut self, index: u32, present: &Present<'_>, workspace: &mut Workspace<f64>) {
         if self.next == Some(index) {

@@ -3,7 +3,6 @@
 //! A grip pulls and pushes in every direction. A connection holds one point, a weld three around its origin, which bear torques, too.
 
 use super::Present;
-use super::feedback::Law;
 use super::support::Point;
 use super::wishes::{Bearing, PointWish, Wishes};
 use msk_physics::model::{Equality, Model};
@@ -28,8 +27,8 @@ pub(super) struct Grips(Vec<Grip>);
 const RADIUS: f64 = 0.04;
 /// Keys of grips come after those of all points of feet.
 const FIRST_KEY: usize = 1 << 32;
-/// A point that is held rests whatever else is wished for.
-const LAW: Law = Law { stiffness: 0.0, damping: 30.0, weight: 100.0 };
+/// A point that is held rests whatever else is wished for: its weight, squared.
+const WEIGHT: f64 = 100.0;
 
 impl Grips {
     /// Those of a model: one body of the equality stands still, muscles may move the other.
@@ -77,15 +76,7 @@ impl Grips {
                 height: 0.0,
                 friction: 0.0,
             };
-            let zeros = Vector3::zeros();
-            wishes.points.push(PointWish {
-                point,
-                bearing: Bearing::Grip,
-                law: LAW,
-                error: zeros,
-                moving: zeros,
-                bending: zeros,
-            });
+            wishes.points.push(PointWish { bearing: Bearing::Grip, ..PointWish::at_rest(point, WEIGHT) });
         }
     }
 }

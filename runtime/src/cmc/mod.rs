@@ -227,6 +227,13 @@ impl Controller {
         };
     }
 
+    /// Goes on with the script that it follows, where it does, from that time of it, s.
+    fn go_on_from(&mut self, start: f64) {
+        if let Guide::Course { follower, .. } = &mut self.guide {
+            follower.go_on_from(start);
+        }
+    }
+
     /// Walks from now on.
     fn walk(&mut self, present: &Present<'_>) -> Result<(), ControlError> {
         self.support = Support::new(present.body);

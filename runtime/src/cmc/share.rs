@@ -43,9 +43,9 @@ pub(super) struct Share<T: Real> {
     dynamics: Dynamics<T>,
     /// What the free root carries.
     centre: Option<Centre<T>>,
-    /// What moves each body that has points of feet.
+    /// What moves each body that has points that may bear.
     carriers: Vec<(usize, Moved)>,
-    feet: Vec<Foot<T>>,
+    points: Vec<Bearer<T>>,
     /// The weight of each coordinate's wish, squared, and that times the acceleration wished for.
     wishes: Vec<[T; 2]>,
     velocities: Vec<T>,
@@ -98,15 +98,15 @@ impl<T: Real> LaneLaw<T> {
     }
 }
 
-/// A point of a foot that bears weight or is to go somewhere in some lane.
+/// A point of a foot that bears weight or is to go somewhere in some lane, or one that is held.
 #[derive(Debug, Clone)]
-struct Foot<T: Real> {
-    /// Which of all points of all feet it is; they stand in this order.
+struct Bearer<T: Real> {
+    /// Which of all points it is; they stand in this order.
     key: usize,
     /// Its place among the carriers.
     carrier: usize,
     position: Vector3<T>,
-    /// Forces of one unit along the edges of its friction pyramid, N; zero in lanes in which it bears none.
+    /// Forces of one unit of which every other is a sum, such as the edges of its friction pyramid, N; zero in lanes in which it bears none.
     edges: [Vector3<T>; 4],
     error: Vector3<T>,
     /// What it is to have: velocity, then acceleration.
@@ -117,7 +117,7 @@ struct Foot<T: Real> {
     limit: T,
 }
 
-impl<T: Real> Foot<T> {
+impl<T: Real> Bearer<T> {
     fn new(key: usize, carrier: usize) -> Self {
         let (error, reference, law) = (zero(), [zero(), zero()], LaneLaw::none());
         Self { key, carrier, position: zero(), edges: [zero(); 4], error, reference, law, limit: T::splat(0.0) }
@@ -176,7 +176,7 @@ impl<T: Real> Share<T> {
             accelerations: zeros.clone(),
             wanted: zeros,
             motion: Vec::new(),
-            feet: Vec::new(),
+            points: Vec::new(),
             unknowns: Vec::new(),
             count: T::splat(0.0),
             allocation: Allocation::new(size),
@@ -213,7 +213,7 @@ impl<T: Real> Share<T> {
     /// Puts the wishes of members into their lanes.
     fn take_in(&mut self, members: &[Member<'_>]) {
         let zero = T::splat(0.0);
-        self.lay_out_feet(members);
+        self.lay_out_points(members);
         let muscles = members.first().map_or(0, |member| member.reach.len());
         self.unknowns.clear();
         self.unknowns.resize(muscles, Unknown { low: zero, high: zero, cost: T::splat(MUSCLE_COST) });
@@ -239,24 +239,24 @@ impl<T: Real> Share<T> {
             self.count.set_lane(lane, (muscles + 4 * bearing) as f64);
             self.allocation.recall(lane, member.memory);
         }
-        for foot in &self.feet {
-            let unknown = Unknown { low: zero, high: foot.limit, cost: T::splat(CONTACT_COST) };
+        for point in &self.points {
+            let unknown = Unknown { low: zero, high: point.limit, cost: T::splat(CONTACT_COST) };
             self.unknowns.extend([unknown; 4]);
         }
     }
 
-    /// Fills the points of feet with wishes in any lane, keys ascending.
-    fn lay_out_feet(&mut self, members: &[Member<'_>]) {
-        self.feet.clear();
+    /// Fills the points with wishes in any lane, keys ascending.
+    fn lay_out_points(&mut self, members: &[Member<'_>]) {
+        self.points.clear();
         for member in members {
             for wish in &member.wishes.points {
                 let key = wish.point.key;
                 let Some(carrier) = self.carriers.iter().position(|(body, _)| *body == wish.point.body) else { continue };
-                let place = self.feet.partition_point(|foot| foot.key < key);
-                if self.feet.get(place).is_none_or(|foot| foot.key != key) {
-                    self.feet.insert(place, Foot::new(key, carrier));
+                let place = self.points.partition_point(|point| point.key < key);
+                if self.points.get(place).is_none_or(|point| point.key != key) {
+                    self.points.insert(place, Bearer::new(key, carrier));
                 }
-                self.feet[place].set(member.lane, wish);
+                self.points[place].set(member.lane, wish);
             }
         }
     }
@@ -295,7 +295,7 @@ impl<T: Real> LaneWork for Fill<'_, T> {
             compromise.set_centre((moved, motion), &wish, &weight);
         }
         columns.truncate(dynamics.muscles());
-        for Foot { carrier, position, edges, error, reference: [moving, bending], law, .. } in &share.feet {
+        for Bearer { carrier, position, edges, error, reference: [moving, bending], law, .. } in &share.points {
             let (body, moved) = &share.carriers[*carrier];
             moved.point((model, &workspace.kinematics, slopes), (*body, position), motion);
             let velocity = velocity(moved, motion, velocities);

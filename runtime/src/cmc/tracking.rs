@@ -39,8 +39,6 @@ pub(crate) enum Along {
 pub(crate) struct Tracker {
     controller: Option<Controller>,
     along: Along,
-    /// How much of a demonstration is over when an episode begins, s.
-    start: f64,
     /// The phase of the task whose reference is followed, and the step at which it began.
     followed: Option<(u32, u32)>,
 }
@@ -50,9 +48,11 @@ impl Tracker {
         Self { along, ..Self::default() }
     }
 
-    /// Begins a demonstration at that time of it at the next reset, s.
-    pub fn start_at(&mut self, start: f64) {
-        self.start = start;
+    /// Goes on with the demonstration that it tracks, where it does, from that time of it, s.
+    pub fn go_on_from(&mut self, start: f64) {
+        if let Some(controller) = &mut self.controller {
+            controller.go_on_from(start);
+        }
     }
 
     /// Prepares for an episode, which has just been reset, or for what is left of one.
@@ -65,7 +65,7 @@ impl Tracker {
         let init = task.initial_state(progress);
         let mut controller = Controller::new(&present, &init.coordinates, hold)?;
         if self.along == Along::Demonstration {
-            controller.follow(Some(schedule(moment, self.start)?), progress.step, &present);
+            controller.follow(Some(schedule(moment)?), progress.step, &present);
         }
         if self.along == Along::Gait {
             controller.walk(&present)?;
@@ -142,12 +142,12 @@ impl PartialEq for Tracker {
     }
 }
 
-/// The schedule of poses with which the task's own tests show that it can succeed, from a time of it on, s.
-fn schedule(moment: &Moment<'_>, start: f64) -> Result<Course, ControlError> {
+/// The schedule of poses with which the task's own tests show that it can succeed.
+fn schedule(moment: &Moment<'_>) -> Result<Course, ControlError> {
     let &Moment { task, progress, present: Present { body, model, .. }, .. } = moment;
     let keyframes = task.tests.as_ref().and_then(|tests| tests.demonstration());
     let keyframes = keyframes.ok_or_else(|| ControlError::NoDemonstration { task: task.name.clone() })?;
     let mut scratch = Workspace::new(model);
     let script = Script::new(keyframes, task, progress, model, body, &mut scratch)?;
-    Ok(Course::Script { script: Arc::new(script), start, period: 1.0 / task.control_frequency })
+    Ok(Course::Script { script: Arc::new(script), start: 0.0, period: 1.0 / task.control_frequency })
 }

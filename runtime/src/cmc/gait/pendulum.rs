@@ -12,7 +12,7 @@
 //! In a gait that repeats a way s at every step the capture point passes each landing at s (1 - K) / (E - 1) from it; in one that goes to
 //! and fro, at -s (1 + K) / (E + 1). A foot that lands where the next step will end as the gait has it makes good whatever has
 //! happened, within two steps (compare Khadiv et al., Walking control based on step timing adaptation, IEEE Trans. Robotics 36, 2020).
-
+//!
 //! The leg that swings turns the body's whole about its centre of mass. With its angular momentum L the ground pushes besides, sideways from where it presses
 //! (Popovic, Goswami & Herr, Ground reference points in legged locomotion, Int. J. Robotics Research 24, 2005): with m the mass and l = (L_y, -L_x)
 //!
