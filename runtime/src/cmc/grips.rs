@@ -26,7 +26,7 @@ pub(super) struct Grips(Vec<Grip>);
 /// How far the points of a weld are from its origin, m.
 const RADIUS: f64 = 0.04;
 /// Keys of grips come after those of all points of feet.
-const FIRST_KEY: usize = 1 << 32;
+const FIRST_KEY: usize = 1 << (usize::BITS - 1);
 /// A point that is held rests whatever else is wished for: its weight, squared.
 const WEIGHT: f64 = 100.0;
 
