@@ -100,6 +100,12 @@ impl<T: Real> Slopes<T> {
         }
     }
 
+    /// Of every dof what [`of`](Self::of) gives.
+    #[inline(always)]
+    pub fn all(&self) -> &[T] {
+        &self.slope
+    }
+
     /// The velocity of `dof` per unit of that of its independent coordinate.
     #[inline(always)]
     pub fn of(&self, dof: usize) -> T {

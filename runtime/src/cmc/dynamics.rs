@@ -6,6 +6,7 @@ use core::ops::Range;
 use msk_physics::model::{Model, Muscle};
 use msk_physics::path_matrix::PathPattern;
 use msk_physics::scalar::Real;
+use msk_physics::spatial::Spatial;
 use msk_physics::tendons::TendonPaths;
 use msk_physics::{MomentPlan, State, Workspace, inertia};
 
@@ -20,6 +21,7 @@ pub(super) struct Dynamics<T> {
     /// Everything but active muscle force and contact, on the left-hand side: N and N m.
     pub load: Vec<T>,
     moments: MomentPlan,
+    screws: Vec<Spatial<T>>,
     crossing: Vec<Crossing>,
     projected: Vec<Projected>,
     /// Scratch of `nv` entries.
@@ -40,8 +42,6 @@ struct Crossing {
     rows: Vec<usize>,
     /// Its entries among those of all columns.
     values: Range<usize>,
-    /// For each entry of its tendon's row the place of its coordinate among these; `None` for a dof that is held still.
-    places: Vec<Option<usize>>,
 }
 
 /// An entry of the mass matrix, and where it goes.
@@ -60,17 +60,13 @@ const COMMON_INERTIA: f64 = 0.01;
 impl<T: Real> Dynamics<T> {
     /// Memory for `model`, whose tendons have these paths.
     pub fn new(model: &Model, paths: &TendonPaths<T>, coordinates: &Coordinates) -> Self {
-        let moments = MomentPlan::new(model, paths);
+        let moments = MomentPlan::new(model, paths, |dof| coordinates.of(dof));
         let mut entries = 0;
         let crossing = |(actuator, muscle): (usize, Muscle)| {
-            let mut rows: Vec<usize> = moments.dofs(muscle.tendon).filter_map(|dof| coordinates.of(dof)).collect();
-            rows.sort_unstable();
-            rows.dedup();
-            let place = |coordinate: usize| rows.partition_point(|row| *row < coordinate);
-            let places = moments.dofs(muscle.tendon).map(|dof| coordinates.of(dof).map(place)).collect();
+            let rows: Vec<usize> = moments.coordinates(muscle.tendon).collect();
             let values = entries..entries + rows.len();
             entries = values.end;
-            Crossing { actuator, muscle, rows, values, places }
+            Crossing { actuator, muscle, rows, values }
         };
         let crossing: Vec<Crossing> = model.actuators.muscles().map(crossing).collect();
         let mut pattern = PathPattern::default();
@@ -85,6 +81,7 @@ impl<T: Real> Dynamics<T> {
         Self {
             projected: projected(model, coordinates, &pattern),
             moments,
+            screws: Vec::new(),
             crossing,
             inertia: vec![T::splat(0.0); pattern.column.len()],
             pattern,
@@ -123,6 +120,7 @@ impl<T: Real> Dynamics<T> {
     ) {
         self.project_inertia(workspace, slopes);
         self.fill_load(model, workspace, (coordinates, slopes));
+        self.moments.update(&workspace.kinematics, slopes.all(), &mut self.screws);
         for index in 0..self.crossing.len() {
             self.fill_muscle(index, (state, workspace), slopes, hold, columns.values_mut());
         }
@@ -180,19 +178,14 @@ impl<T: Real> Dynamics<T> {
         hold: f64,
         columns: &mut [T],
     ) {
-        let Crossing { actuator, muscle, values, places, .. } = &self.crossing[index];
-        let arms = &mut self.arms.values_mut()[values.clone()];
-        arms.fill(T::splat(0.0));
-        for ((dof, arm), place) in self.moments.row(&workspace.kinematics, &workspace.tendons, muscle.tendon).zip(places) {
-            if let Some(place) = *place {
-                arms[place] += slopes.of(dof) * arm;
-            }
-        }
+        let Crossing { actuator, muscle, values, .. } = &self.crossing[index];
         let gear = T::splat(muscle.gear);
         let (strength, passive) = (gear * workspace.actuation.gain[*actuator], gear * workspace.actuation.bias[*actuator]);
-        for (&arm, value) in arms.iter().zip(&mut columns[values.clone()]) {
+        let moments = self.moments.row(&workspace.tendons, (&self.screws, slopes.all()), muscle.tendon);
+        let entries = self.arms.values_mut()[values.clone()].iter_mut().zip(&mut columns[values.clone()]);
+        for ((arm, value), moment) in entries.zip(moments) {
             T::apart();
-            *value = arm * strength;
+            (*arm, *value) = (moment, moment * strength);
         }
         let activation = state.activation[muscle.activation];
         let damping = gear * gear * activation * workspace.actuation.active_damping(state, *actuator);

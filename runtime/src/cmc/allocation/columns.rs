@@ -120,6 +120,17 @@ impl<T: Real> Columns<T> {
         }
     }
 
+    /// Both `out` += A `factors`, in one pass over the columns.
+    #[inline(always)]
+    pub fn add_scaled_pair(&self, factors: [&[T]; 2], out: [&mut [T]; 2]) {
+        let [first, second] = out;
+        for run in &self.runs {
+            let (rows, values) = (&self.row[run.rows.clone()], &self.value[run.values.clone()]);
+            let factors = factors.map(|factors| &factors[run.columns.clone()]);
+            by_rows!(rows, values, add_pair_of_few, add_pair_of_many, factors, [&mut *first, &mut *second]);
+        }
+    }
+
     /// `matrix` += A diag(`weights`) A', on the pattern.
     #[inline(always)]
     pub fn add_squares(&self, weights: &[T], pattern: &PathPattern, matrix: &mut [T]) {
@@ -184,6 +195,36 @@ fn add_many<T: Real>(rows: &[usize], values: &[T], factors: &[T], out: &mut [T])
         for (&row, &value) in rows.iter().zip(column) {
             T::apart();
             out[row] += factor * value;
+        }
+    }
+}
+
+#[inline(always)]
+fn add_pair_of_few<T: Real, const N: usize>(rows: &[usize], values: &[T], factors: [&[T]; 2], out: [&mut [T]; 2]) {
+    let mut sums = [[T::splat(0.0); 2]; N];
+    for (sum, &row) in sums.iter_mut().zip(rows) {
+        *sum = [out[0][row], out[1][row]];
+    }
+    for ((&first, &second), column) in factors[0].iter().zip(factors[1]).zip(values.as_chunks::<N>().0) {
+        for k in 0..N {
+            T::apart();
+            sums[k][0] += first * column[k];
+            sums[k][1] += second * column[k];
+        }
+    }
+    for (&sum, &row) in sums.iter().zip(rows) {
+        [out[0][row], out[1][row]] = sum;
+    }
+}
+
+#[inline(always)]
+fn add_pair_of_many<T: Real>(rows: &[usize], values: &[T], factors: [&[T]; 2], out: [&mut [T]; 2]) {
+    for (index, (&first, &second)) in factors[0].iter().zip(factors[1]).enumerate() {
+        let column = &values[index * rows.len()..][..rows.len()];
+        for (&row, &value) in rows.iter().zip(column) {
+            T::apart();
+            out[0][row] += first * value;
+            out[1][row] += second * value;
         }
     }
 }
@@ -298,6 +339,9 @@ mod tests {
             let mut matrix = vec![0.5; pattern.column.len()];
             columns.dots(&vector, &mut dots);
             columns.add_scaled(&factors, &mut sums);
+            let (negated, mut pair) = (factors.iter().map(|factor| -factor).collect::<Vec<_>>(), [vector.clone(), vector.clone()]);
+            let [first, second] = &mut pair;
+            columns.add_scaled_pair([&factors, &negated], [first, second]);
             columns.add_squares(&factors, &pattern, &mut matrix);
             for (dot, column) in dots.iter().zip(&dense) {
                 let expected: f64 = column.iter().zip(&vector).map(|(entry, value)| entry * value).sum();
@@ -307,6 +351,8 @@ mod tests {
                 let of = |other: usize| dense.iter().zip(&factors).map(|(column, factor)| factor * column[row] * column[other]).sum::<f64>();
                 let sum: f64 = vector[row] + dense.iter().zip(&factors).map(|(column, factor)| factor * column[row]).sum::<f64>();
                 prop_assert!((sums[row] - sum).abs() < 1e-9);
+                prop_assert_eq!(pair[0][row], sums[row]);
+                prop_assert!((pair[1][row] - (2.0 * vector[row] - sum)).abs() < 1e-9);
                 for other in 0..=row {
                     prop_assert!((matrix[pattern.row[row].start + pattern.depth(other)] - 0.5 - of(other)).abs() < 1e-9);
                 }

@@ -45,11 +45,15 @@ pub(super) struct Interior<T: Real> {
     y: Vec<T>,
     change: Vec<T>,
     matrix: Vec<T>,
-    /// The mean product of a slack and its price.
-    gap: T,
-    /// Of each unknown: by how much x yields to a force, 0 where it is fixed; minus the step at no change of y; the change of a·y.
+    /// How much of `change` a centre of 1 adds to it.
+    centring: Vec<T>,
+    /// The sum of the products of slacks and prices.
+    products: T,
+    /// Of each unknown: by how much x yields to a force, 0 where it is fixed; minus the step at no change of y, and what a centre of 1 adds to
+    /// that; the change of a·y.
     yields: Vec<T>,
     pushes: Vec<T>,
+    centrings: Vec<T>,
     pulls: Vec<T>,
 }
 
@@ -67,7 +71,8 @@ struct Interval<T> {
     moves: T,
     /// a·y - r x: what moves x.
     push: T,
-    /// The step: of x and of the prices. One that is not taken yet, or none.
+    /// The step: of x and of the prices. One that is not taken yet, or none. While a centre is not known yet, the prices that it would
+    /// lead to at a centre of 0.
     change: T,
     price_change: [T; 2],
 }
@@ -106,9 +111,11 @@ impl<T: Real> Interior<T> {
             y: zeros(),
             change: zeros(),
             matrix: Vec::new(),
-            gap: T::splat(0.0),
+            centring: zeros(),
+            products: T::splat(0.0),
             yields: Vec::new(),
             pushes: Vec::new(),
+            centrings: Vec::new(),
             pulls: Vec::new(),
         }
     }
@@ -155,7 +162,7 @@ impl<T: Real> Interior<T> {
             T::apart();
             *missing = wanted - *missing;
         }
-        for values in [&mut self.yields, &mut self.pushes, &mut self.pulls] {
+        for values in [&mut self.yields, &mut self.pushes, &mut self.centrings, &mut self.pulls] {
             values.resize(unknowns.len(), zero);
         }
         for (push, &Unknown { low, high, .. }) in self.pushes.iter_mut().zip(unknowns) {
@@ -206,79 +213,106 @@ impl<T: Real> Interior<T> {
         T::splat(0.5) * cost
     }
 
-    /// The mean product of slacks and prices.
+    /// Takes the last step, and fills what follows from the slacks and prices that it has led to.
     #[inline(always)]
-    fn gap(&self, problem: &Problem<'_, T>) -> T {
-        let mut sum = T::splat(0.0);
-        for Interval { slack, price, .. } in &self.intervals {
-            T::apart();
-            sum += slack[0] * price[0] + slack[1] * price[1];
-        }
-        sum / pairs(problem)
-    }
-
-    /// Takes the last step, factors the matrix there, and aims at products of zero.
-    #[inline(always)]
-    fn predict(&mut self, problem: &Problem<'_, T>, stride: &Stride<T>) {
-        let Problem { pattern, inertia, columns, unknowns, .. } = *problem;
-        self.matrix.copy_from_slice(inertia);
-        self.advance(stride);
-        self.change.copy_from_slice(&self.missing);
+    fn advance(&mut self, problem: &Problem<'_, T>, stride: &Stride<T>) {
+        self.advance_shared(stride);
+        self.products = T::splat(0.0);
         let outputs = self.yields.iter_mut().zip(&mut self.pushes).zip(&self.pulls);
-        for ((interval, unknown), ((yields, push), &pull_change)) in self.intervals.iter_mut().zip(unknowns).zip(outputs) {
+        for ((interval, unknown), ((yields, push), &pull_change)) in self.intervals.iter_mut().zip(problem.unknowns).zip(outputs)
+        {
             T::apart();
             interval.advance(stride, unknown.cost, pull_change);
+            self.products += interval.slack[0] * interval.price[0] + interval.slack[1] * interval.price[1];
             *yields = interval.stiffen(unknown.cost);
             *push = -(*yields * interval.push);
         }
+    }
+
+    /// Factors the matrix, and finds the step of y towards products of zero.
+    #[inline(always)]
+    fn predict(&mut self, problem: &Problem<'_, T>) {
+        let Problem { pattern, inertia, columns, .. } = *problem;
+        self.matrix.copy_from_slice(inertia);
+        self.change.copy_from_slice(&self.missing);
         columns.add_scaled(&self.pushes, &mut self.change);
         columns.add_squares(&self.yields, pattern, &mut self.matrix);
         pattern.layout().factor(&mut self.matrix);
+        pattern.layout().solve(&self.matrix, &mut self.change);
+        columns.dots(&self.change, &mut self.pulls);
     }
 
-    /// Aims at products of `centre`, and makes up for what the step just found would change in them at second order.
+    /// Looks how far that step may go, aims at the products that this promises, and makes up for what the step would change in them at second
+    /// order. With s Δλ + λ Δs = -s λ of each product their sum becomes (1 - length) of what it is, but for the products of the changes.
+    ///
+    /// Gives the centre: the product that is aimed at. What the step becomes is linear in it, so one pass over the unknowns is enough.
     #[inline(always)]
-    fn correct(&mut self, problem: &Problem<'_, T>, centre: T) {
-        self.change.copy_from_slice(&self.missing);
-        for ((interval, &yields), push) in self.intervals.iter_mut().zip(&self.yields).zip(&mut self.pushes) {
+    fn correct(&mut self, problem: &Problem<'_, T>) -> T {
+        let (one, zero) = (T::splat(1.0), T::splat(0.0));
+        let (mut shortening, mut of_changes) = (one, zero);
+        let parts = self.pushes.iter_mut().zip(&mut self.centrings).zip(self.yields.iter().zip(&self.pulls));
+        for (interval, ((push, centring), (&yields, &pull_change))) in self.intervals.iter_mut().zip(parts) {
             T::apart();
-            let Interval { inverse, push: moving, change, price_change, .. } = *interval;
-            let aim = [centre - change * price_change[0], centre + change * price_change[1]];
-            let aimed = [aim[0] * inverse[0], aim[1] * inverse[1]];
-            // With the prices that the aim asks for, r x - a·y - λ + μ is minus this.
-            *push = -(yields * (moving + (aimed[0] - aimed[1])));
+            let Interval { price, inverse, .. } = *interval;
+            let change = yields * pull_change - *push;
+            // Δs / s of both slacks; Δλ / λ is -1 less that.
+            let relative = [inverse[0] * change, -(inverse[1] * change)];
+            let left = [one + relative[0], one + relative[1]];
+            let lost = [price[0] * left[0], price[1] * left[1]];
+            shortening = shortening.at_least((-relative[0]).at_least(-relative[1])).at_least(left[0].at_least(left[1]));
+            of_changes += change * (lost[1] - lost[0]);
+            let aimed = [relative[0] * lost[0], relative[1] * lost[1]];
+            *push -= yields * (aimed[0] - aimed[1]);
+            *centring = -(yields * (inverse[0] - inverse[1]));
             interval.price_change = aimed;
         }
-        problem.columns.add_scaled(&self.pushes, &mut self.change);
+        let length = one / shortening;
+        let expected = one - length + length * length * (of_changes / self.products);
+        let centre = expected * expected * expected * self.products / pairs(problem);
+        self.change.copy_from_slice(&self.missing);
+        self.centring.fill(zero);
+        problem.columns.add_scaled_pair([&self.pushes, &self.centrings], [&mut self.change, &mut self.centring]);
+        for (change, &centring) in self.change.iter_mut().zip(&self.centring) {
+            T::apart();
+            *change += centre * centring;
+        }
+        problem.pattern.layout().solve(&self.matrix, &mut self.change);
+        problem.columns.dots(&self.change, &mut self.pulls);
+        centre
     }
 
-    /// Fills the step towards the prices that stand in the place of their changes where it `AIMS` at some, else at none; gives how far it may go.
+    /// Fills the step towards products of `centre`; gives the longest, up to 1, that leaves slacks and prices at zero or above.
     #[inline(always)]
-    fn step<const AIMS: bool>(&mut self, problem: &Problem<'_, T>) -> Way<T> {
-        problem.pattern.layout().solve(&self.matrix, &mut self.change);
-        let zero = T::splat(0.0);
-        let mut way = Way { length: T::splat(1.0), products: [zero; 3] };
-        problem.columns.dots(&self.change, &mut self.pulls);
-        let inputs = self.yields.iter().zip(&self.pushes).zip(&self.pulls);
-        for (interval, ((&yields, &push), &pull_change)) in self.intervals.iter_mut().zip(inputs) {
+    fn aim(&mut self, centre: T) -> T {
+        let (one, zero) = (T::splat(1.0), T::splat(0.0));
+        let (mut shortening, mut length) = (one, one);
+        let inputs = self.yields.iter().zip(&self.pushes).zip(self.centrings.iter().zip(&self.pulls));
+        for (interval, ((&yields, &push), (&centring, &pull_change))) in self.intervals.iter_mut().zip(inputs) {
             T::apart();
-            let Interval { slack, price, inverse, .. } = *interval;
-            let aim = if AIMS { interval.price_change } else { [zero; 2] };
-            let change = yields * pull_change - push;
-            let price_change =
-                [(aim[0] - price[0]) - price[0] * (inverse[0] * change), (aim[1] - price[1]) + price[1] * (inverse[1] * change)];
+            let Interval { price, inverse, price_change: aimed, .. } = *interval;
+            let change = yields * pull_change - (push + centre * centring);
+            let relative = [inverse[0] * change, -(inverse[1] * change)];
+            let price_change = [
+                aimed[0] + centre * inverse[0] - price[0] * (one + relative[0]),
+                aimed[1] + centre * inverse[1] - price[1] * (one + relative[1]),
+            ];
             (interval.change, interval.price_change) = (change, price_change);
-            way.shorten([slack[0], slack[1], price[0], price[1]], [change, -change, price_change[0], price_change[1]]);
-            way.products[0] += slack[0] * price[0] + slack[1] * price[1];
-            way.products[1] += slack[0] * price_change[0] + slack[1] * price_change[1] + change * (price[0] - price[1]);
-            way.products[2] += change * (price_change[0] - price_change[1]);
+            shortening = shortening.at_least((-relative[0]).at_least(-relative[1]));
+            // Few of all prices shorten the way, so they are looked at one by one where any does.
+            let least = (price[0] + length * price_change[0]).at_most(price[1] + length * price_change[1]);
+            if T::any(least.less(zero)) {
+                for k in 0..2 {
+                    let beyond = (price[k] + length * price_change[k]).less(zero);
+                    length = T::select(beyond, -price[k] / price_change[k], length);
+                }
+            }
         }
-        way
+        length.at_most(one / shortening)
     }
 
     /// Takes the step of what all unknowns share.
     #[inline(always)]
-    fn advance(&mut self, stride: &Stride<T>) {
+    fn advance_shared(&mut self, stride: &Stride<T>) {
         for (y, &change) in self.y.iter_mut().zip(&self.change) {
             T::apart();
             *y = stride.from(*y, change);
@@ -295,38 +329,6 @@ impl<T: Real> Interior<T> {
 #[inline(always)]
 fn pairs<T: Real>(problem: &Problem<'_, T>) -> T {
     (T::splat(2.0) * problem.count).at_least(T::splat(1.0))
-}
-
-/// How far a step may go.
-struct Way<T> {
-    /// The longest step, up to 1, that leaves slacks and prices at zero or above.
-    length: T,
-    /// The sum of the products of slacks and prices is a polynomial of the length.
-    products: [T; 3],
-}
-
-impl<T: Real> Way<T> {
-    /// Keeps the values from becoming negative. Few of all shorten the way, so they are looked at one by one where any does.
-    #[inline(always)]
-    fn shorten(&mut self, values: [T; 4], changes: [T; 4]) {
-        let zero = T::splat(0.0);
-        let mut least = values[0] + self.length * changes[0];
-        for k in 1..4 {
-            least = least.at_most(values[k] + self.length * changes[k]);
-        }
-        if T::any(least.less(zero)) {
-            for k in 0..4 {
-                let beyond = (values[k] + self.length * changes[k]).less(zero);
-                self.length = T::select(beyond, -values[k] / changes[k], self.length);
-            }
-        }
-    }
-
-    /// The sum of the products after so much of the step.
-    #[inline(always)]
-    fn sum(&self, length: T) -> T {
-        self.products[0] + length * (self.products[1] + length * self.products[2])
-    }
 }
 
 /// So much of a step, in these lanes. A type and no closure, which would be compiled for the least of all processors.
@@ -361,13 +363,12 @@ impl<T: Real> LaneWork for Search<'_, T> {
         let zero = T::splat(0.0);
         let residual = T::splat(target.residual) * problem.scale();
         let (mut active, mut found) = (tries, zero.less(zero));
-        interior.gap = interior.gap(problem);
         let mut stride = Stride { length: zero, active };
         for taken in 0..=STEPS {
+            interior.advance(problem, &stride);
             // Read back from memory, or the compiler takes the sums over all unknowns apart into the lanes of which it asks here whether any goes on.
             T::apart();
-            let gap = interior.gap;
-            let missing = (T::splat(1.0) - stride.length) * largest(&interior.missing);
+            let (gap, missing) = (interior.products / pairs(problem), largest(&interior.missing));
             let near = T::and(T::not(T::splat(target.gap).less(gap)), T::not(residual.less(missing)));
             let sound = T::and(is_finite(gap), is_finite(missing));
             active = T::and(active, sound);
@@ -376,19 +377,9 @@ impl<T: Real> LaneWork for Search<'_, T> {
             if taken == STEPS || !T::any(active) {
                 break;
             }
-            interior.predict(problem, &stride);
-            let way = interior.step::<false>(problem);
-            let expected = way.sum(way.length) / way.products[0];
-            let centre = expected * expected * expected * way.products[0] / pairs(problem);
-            interior.correct(problem, centre);
-            let way = interior.step::<true>(problem);
-            stride = Stride { length: T::splat(NEARLY) * way.length, active };
-            interior.gap = way.sum(stride.length) / pairs(problem);
-        }
-        interior.advance(&stride);
-        for ((interval, unknown), &pull_change) in interior.intervals.iter_mut().zip(problem.unknowns).zip(&interior.pulls) {
-            T::apart();
-            interval.advance(&stride, unknown.cost, pull_change);
+            interior.predict(problem);
+            let centre = interior.correct(problem);
+            stride = Stride { length: T::splat(NEARLY) * interior.aim(centre), active };
         }
         for &y in &interior.y {
             T::apart();

@@ -23,7 +23,7 @@ use interior::{Interior, Target};
 use msk_physics::Instructions;
 use msk_physics::path_matrix::PathPattern;
 use msk_physics::scalar::Real;
-use newton::{Newton, Search};
+use newton::{Newton, Patience, Search};
 
 /// Bounds and cost of one unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,9 +110,12 @@ pub(super) struct Effort {
 }
 
 /// The next try of Newton's method after one that found no answer is so many allocations later: a state that was violent a moment ago still is.
-const PATIENCE: f64 = 9.0;
+const PAUSE: f64 = 9.0;
 /// And it takes so many steps at most: what has calmed down takes three to six.
 const RETRY: usize = 8;
+/// A search whose line search leaves less than this of a step goes from one piece of the answer to the next, and is given up: what is calm takes
+/// full steps. The second is for another try of what was violent, which fails more often than not.
+const SHORT: [f64; 2] = [0.1, 0.5];
 
 impl Effort {
     /// For what is acted on. A body that is pushed takes up to seventeen Newton steps, which is less work than the other method.
@@ -139,25 +142,30 @@ impl<T: Real> Allocation<T> {
         let Effort { tolerance, first, target, last } = effort;
         self.x.clear();
         self.x.resize(problem.unknowns.len(), T::splat(0.0));
-        let [zero, one, patience] = [0.0, 1.0, PATIENCE].map(T::splat);
+        let [zero, one, pause] = [0.0, 1.0, PAUSE].map(T::splat);
         let waits = one.less(self.wait);
-        let steps = T::select(zero.less(self.wait), T::splat(first.min(RETRY) as f64), T::splat(first as f64));
-        let found = self.newton(problem, tolerance, steps, T::and(among, T::not(waits)));
+        let tried_in_vain = zero.less(self.wait);
+        let either = |again: f64, at_first: f64| T::select(tried_in_vain, T::splat(again), T::splat(at_first));
+        let patience = Patience { most: either(first.min(RETRY) as f64, first as f64), shortest: either(SHORT[1], SHORT[0]) };
+        let found = self.newton(problem, tolerance, patience, T::and(among, T::not(waits)));
         let left = T::and(among, T::not(found));
-        let wait = T::select(found, zero, T::select(waits, self.wait - one, patience));
+        let wait = T::select(found, zero, T::select(waits, self.wait - one, pause));
         self.wait = T::select(among, wait, self.wait);
         if !T::any(left) {
             return found;
         }
         self.interior.solve(problem, target, left, &mut self.x, &mut self.multiplier);
-        if last > 0 { T::or(found, self.newton(problem, tolerance, T::splat(last as f64), left)) } else { found }
+        if last == 0 {
+            return found;
+        }
+        let patience = Patience { most: T::splat(last as f64), shortest: zero };
+        T::or(found, self.newton(problem, tolerance, patience, left))
     }
 
-    /// Newton steps in the lanes that try, `most` at most, after which `x` is what the multiplier asks for; gives the lanes in which it
-    /// is the answer.
-    fn newton(&mut self, problem: &Problem<'_, T>, tolerance: f64, most: T, tries: T::Mask) -> T::Mask {
+    /// Newton steps in the lanes that try, after which `x` is what the multiplier asks for; gives the lanes in which it is the answer.
+    fn newton(&mut self, problem: &Problem<'_, T>, tolerance: f64, patience: Patience<T>, tries: T::Mask) -> T::Mask {
         let Self { newton, multiplier, x, .. } = self;
-        Instructions::default().run(Search { newton, problem, tolerance, most, tries, multiplier, x })
+        Instructions::default().run(Search { newton, problem, tolerance, patience, tries, multiplier, x })
     }
 
     /// Begins a lane where `memory` has ended.
