@@ -23,7 +23,7 @@ use interior::{Interior, Target};
 use msk_physics::Instructions;
 use msk_physics::path_matrix::PathPattern;
 use msk_physics::scalar::Real;
-use newton::{Newton, Patience, Search};
+use newton::{Newton, Search};
 
 /// Bounds and cost of one unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,12 +76,14 @@ pub(super) struct Memory {
     multiplier: Vec<f64>,
     /// How many allocations from here Newton's method is tried again, which did not find an answer a short time ago; 0 where it did.
     wait: f64,
+    /// For how many it waits the next time that it does not.
+    pause: f64,
 }
 
 impl Memory {
     /// That of a body of so many rows at rest.
     pub fn new(rows: usize) -> Self {
-        Self { multiplier: vec![0.0; rows], wait: 0.0 }
+        Self { multiplier: vec![0.0; rows], wait: 0.0, pause: PAUSES[0] }
     }
 }
 
@@ -90,6 +92,7 @@ impl Memory {
 pub(super) struct Allocation<T: Real> {
     multiplier: Vec<T>,
     wait: T,
+    pause: T,
     /// The unknowns, one per column.
     x: Vec<T>,
     newton: Newton<T>,
@@ -109,13 +112,11 @@ pub(super) struct Effort {
     last: usize,
 }
 
-/// The next try of Newton's method after one that found no answer is so many allocations later: a state that was violent a moment ago still is.
-const PAUSE: f64 = 9.0;
-/// And it takes so many steps at most: what has calmed down takes three to six.
-const RETRY: usize = 8;
-/// A search whose line search leaves less than this of a step goes from one piece of the answer to the next, and is given up: what is calm takes
-/// full steps. The second is for another try of what was violent, which fails more often than not.
-const SHORT: [f64; 2] = [0.1, 0.5];
+/// The next try of Newton's method after one that found no answer is so many allocations later: a state that was violent a moment ago still is. With every
+/// try in vain it waits twice as long, up to the second.
+const PAUSES: [f64; 2] = [4.0, 39.0];
+/// And it takes so many steps at most: what has calmed down takes three to six, and lanes wait for each other.
+const RETRY: usize = 6;
 
 impl Effort {
     /// For what is acted on. A body that is pushed takes up to seventeen Newton steps, which is less work than the other method.
@@ -131,6 +132,7 @@ impl<T: Real> Allocation<T> {
         Self {
             multiplier: vec![T::splat(0.0); rows],
             wait: T::splat(0.0),
+            pause: T::splat(0.0),
             x: Vec::new(),
             newton: Newton::new(rows),
             interior: Interior::new(rows),
@@ -142,30 +144,28 @@ impl<T: Real> Allocation<T> {
         let Effort { tolerance, first, target, last } = effort;
         self.x.clear();
         self.x.resize(problem.unknowns.len(), T::splat(0.0));
-        let [zero, one, pause] = [0.0, 1.0, PAUSE].map(T::splat);
+        let [zero, one, two] = [0.0, 1.0, 2.0].map(T::splat);
+        let [shortest, longest] = PAUSES.map(T::splat);
         let waits = one.less(self.wait);
-        let tried_in_vain = zero.less(self.wait);
-        let either = |again: f64, at_first: f64| T::select(tried_in_vain, T::splat(again), T::splat(at_first));
-        let patience = Patience { most: either(first.min(RETRY) as f64, first as f64), shortest: either(SHORT[1], SHORT[0]) };
-        let found = self.newton(problem, tolerance, patience, T::and(among, T::not(waits)));
+        let steps = T::select(zero.less(self.wait), T::splat(first.min(RETRY) as f64), T::splat(first as f64));
+        let found = self.newton(problem, tolerance, steps, T::and(among, T::not(waits)));
         let left = T::and(among, T::not(found));
-        let wait = T::select(found, zero, T::select(waits, self.wait - one, pause));
+        let wait = T::select(found, zero, T::select(waits, self.wait - one, self.pause));
+        let pause = T::select(found, shortest, T::select(waits, self.pause, (two * self.pause).at_most(longest)));
         self.wait = T::select(among, wait, self.wait);
+        self.pause = T::select(among, pause, self.pause);
         if !T::any(left) {
             return found;
         }
         self.interior.solve(problem, target, left, &mut self.x, &mut self.multiplier);
-        if last == 0 {
-            return found;
-        }
-        let patience = Patience { most: T::splat(last as f64), shortest: zero };
-        T::or(found, self.newton(problem, tolerance, patience, left))
+        if last > 0 { T::or(found, self.newton(problem, tolerance, T::splat(last as f64), left)) } else { found }
     }
 
-    /// Newton steps in the lanes that try, after which `x` is what the multiplier asks for; gives the lanes in which it is the answer.
-    fn newton(&mut self, problem: &Problem<'_, T>, tolerance: f64, patience: Patience<T>, tries: T::Mask) -> T::Mask {
+    /// Newton steps in the lanes that try, `most` at most, after which `x` is what the multiplier asks for; gives the lanes in which it
+    /// is the answer.
+    fn newton(&mut self, problem: &Problem<'_, T>, tolerance: f64, most: T, tries: T::Mask) -> T::Mask {
         let Self { newton, multiplier, x, .. } = self;
-        Instructions::default().run(Search { newton, problem, tolerance, patience, tries, multiplier, x })
+        Instructions::default().run(Search { newton, problem, tolerance, most, tries, multiplier, x })
     }
 
     /// Begins a lane where `memory` has ended.
@@ -174,6 +174,7 @@ impl<T: Real> Allocation<T> {
             own.set_lane(lane, value);
         }
         self.wait.set_lane(lane, memory.wait);
+        self.pause.set_lane(lane, memory.pause);
     }
 
     /// Ends a lane, whose first unknowns are written to `out`.
@@ -185,6 +186,7 @@ impl<T: Real> Allocation<T> {
             *value = own.lane(lane);
         }
         memory.wait = self.wait.lane(lane);
+        memory.pause = self.pause.lane(lane);
         // What is not finite would never become finite again.
         if !memory.multiplier.iter().all(|value| value.is_finite()) {
             memory.multiplier.fill(0.0);

@@ -26,22 +26,14 @@ pub(super) struct Newton<T> {
     hessian: Vec<T>,
 }
 
-/// When a search is given up.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Patience<T> {
-    /// After so many steps.
-    pub most: T,
-    /// After a step of which the line search takes less than this share.
-    pub shortest: T,
-}
-
 /// A search from a multiplier on.
 pub(super) struct Search<'a, T: Real> {
     pub newton: &'a mut Newton<T>,
     pub problem: &'a Problem<'a, T>,
     /// Relative size of F at which the answer is taken.
     pub tolerance: f64,
-    pub patience: Patience<T>,
+    /// Steps at most.
+    pub most: T,
     /// The lanes that take steps; in others `x` is only evaluated.
     pub tries: T::Mask,
     pub multiplier: &'a mut [T],
@@ -132,7 +124,7 @@ impl<T: Real> LaneWork for Search<'_, T> {
 
     #[inline(always)]
     fn run(self) -> T::Mask {
-        let Self { newton, problem, tolerance, patience: Patience { most, shortest }, mut tries, multiplier, x } = self;
+        let Self { newton, problem, tolerance, most, tries, multiplier, x } = self;
         for values in [&mut newton.free, &mut newton.slope, &mut newton.yields] {
             values.resize(problem.unknowns.len(), T::splat(0.0));
         }
@@ -154,7 +146,6 @@ impl<T: Real> LaneWork for Search<'_, T> {
                 *y = T::select(goes_on, *y + length * direction, *y);
             }
             taken += T::splat(1.0);
-            tries = T::and(tries, T::not(length.less(shortest)));
         }
     }
 }
