@@ -119,8 +119,8 @@ const PAUSES: [f64; 2] = [4.0, 39.0];
 const RETRY: usize = 6;
 
 impl Effort {
-    /// For what is acted on. A body that is pushed takes up to seventeen Newton steps, which is less work than the other method.
-    pub const EXACT: Self = Self { tolerance: 1e-7, first: 20, target: Target { gap: 1e-10, residual: 1e-7 }, last: 80 };
+    /// For what is acted on. A body that is pushed takes up to seventeen Newton steps, but in lanes the others wait for it.
+    pub const EXACT: Self = Self { tolerance: 1e-7, first: 8, target: Target { gap: 1e-10, residual: 1e-7 }, last: 80 };
     /// For what is only imagined: the forces on the joints are right to a thousandth, while muscles that could stand in for each
     /// other share less evenly.
     pub const ROUGH: Self = Self { tolerance: 1e-5, first: 4, target: Target { gap: 1e-5, residual: 1e-4 }, last: 0 };
