@@ -23,7 +23,7 @@ use interior::{Interior, Target};
 use msk_physics::Instructions;
 use msk_physics::path_matrix::PathPattern;
 use msk_physics::scalar::Real;
-use newton::{Newton, Search};
+use newton::{Newton, Patience, Search};
 
 /// Bounds and cost of one unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,13 +114,15 @@ pub(super) struct Effort {
 
 /// The next try of Newton's method after one that found no answer is so many allocations later: a state that was violent a moment ago still is. With every
 /// try in vain it waits twice as long, up to the second.
-const PAUSES: [f64; 2] = [4.0, 39.0];
-/// And it takes so many steps at most: what has calmed down takes three to six, and lanes wait for each other.
-const RETRY: usize = 6;
+const PAUSES: [f64; 2] = [4.0, 19.0];
+/// And it takes so many steps at most: what has calmed down takes three to six.
+const RETRY: usize = 8;
+/// So many steps are taken in any case, at first and when it is tried again.
+const SURE: [usize; 2] = [8, 3];
 
 impl Effort {
-    /// For what is acted on. A body that is pushed takes up to seventeen Newton steps, but in lanes the others wait for it.
-    pub const EXACT: Self = Self { tolerance: 1e-7, first: 8, target: Target { gap: 1e-10, residual: 1e-7 }, last: 80 };
+    /// For what is acted on. A body that is pushed takes up to seventeen Newton steps, which is less work than the other method.
+    pub const EXACT: Self = Self { tolerance: 1e-7, first: 20, target: Target { gap: 1e-10, residual: 1e-7 }, last: 80 };
     /// For what is only imagined: the forces on the joints are right to a thousandth, while muscles that could stand in for each
     /// other share less evenly.
     pub const ROUGH: Self = Self { tolerance: 1e-5, first: 4, target: Target { gap: 1e-5, residual: 1e-4 }, last: 0 };
@@ -147,8 +149,13 @@ impl<T: Real> Allocation<T> {
         let [zero, one, two] = [0.0, 1.0, 2.0].map(T::splat);
         let [shortest, longest] = PAUSES.map(T::splat);
         let waits = one.less(self.wait);
-        let steps = T::select(zero.less(self.wait), T::splat(first.min(RETRY) as f64), T::splat(first as f64));
-        let found = self.newton(problem, tolerance, steps, T::and(among, T::not(waits)));
+        let again = zero.less(self.wait);
+        let steps = |counts: [usize; 2]| {
+            let [at_first, again_at_most] = counts.map(|count| T::splat(count as f64));
+            T::select(again, again_at_most, at_first)
+        };
+        let patience = Patience { most: steps([first, first.min(RETRY)]), sure: steps(SURE) };
+        let found = self.newton(problem, tolerance, patience, T::and(among, T::not(waits)));
         let left = T::and(among, T::not(found));
         let wait = T::select(found, zero, T::select(waits, self.wait - one, self.pause));
         let pause = T::select(found, shortest, T::select(waits, self.pause, (two * self.pause).at_most(longest)));
@@ -158,14 +165,17 @@ impl<T: Real> Allocation<T> {
             return found;
         }
         self.interior.solve(problem, target, left, &mut self.x, &mut self.multiplier);
-        if last > 0 { T::or(found, self.newton(problem, tolerance, T::splat(last as f64), left)) } else { found }
+        if last == 0 {
+            return found;
+        }
+        let last = T::splat(last as f64);
+        T::or(found, self.newton(problem, tolerance, Patience { most: last, sure: last }, left))
     }
 
-    /// Newton steps in the lanes that try, `most` at most, after which `x` is what the multiplier asks for; gives the lanes in which it
-    /// is the answer.
-    fn newton(&mut self, problem: &Problem<'_, T>, tolerance: f64, most: T, tries: T::Mask) -> T::Mask {
+    /// Newton steps in the lanes that try, after which `x` is what the multiplier asks for; gives the lanes in which it is the answer.
+    fn newton(&mut self, problem: &Problem<'_, T>, tolerance: f64, patience: Patience<T>, tries: T::Mask) -> T::Mask {
         let Self { newton, multiplier, x, .. } = self;
-        Instructions::default().run(Search { newton, problem, tolerance, most, tries, multiplier, x })
+        Instructions::default().run(Search { newton, problem, tolerance, patience, tries, multiplier, x })
     }
 
     /// Begins a lane where `memory` has ended.

@@ -26,14 +26,26 @@ pub(super) struct Newton<T> {
     hessian: Vec<T>,
 }
 
+/// When a search is given up, in each lane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Patience<T> {
+    /// After so many steps.
+    pub most: T,
+    /// After so many already where the line search leaves less than [`LONG`] of a step: what goes from one piece of the answer to the next goes on
+    /// like that, and other lanes wait for it.
+    pub sure: T,
+}
+
+/// A step of which more than this is left is no short one. Near the answer steps are whole.
+const LONG: f64 = 0.5;
+
 /// A search from a multiplier on.
 pub(super) struct Search<'a, T: Real> {
     pub newton: &'a mut Newton<T>,
     pub problem: &'a Problem<'a, T>,
     /// Relative size of F at which the answer is taken.
     pub tolerance: f64,
-    /// Steps at most.
-    pub most: T,
+    pub patience: Patience<T>,
     /// The lanes that take steps; in others `x` is only evaluated.
     pub tries: T::Mask,
     pub multiplier: &'a mut [T],
@@ -124,7 +136,7 @@ impl<T: Real> LaneWork for Search<'_, T> {
 
     #[inline(always)]
     fn run(self) -> T::Mask {
-        let Self { newton, problem, tolerance, most, tries, multiplier, x } = self;
+        let Self { newton, problem, tolerance, patience: Patience { most, sure }, mut tries, multiplier, x } = self;
         for values in [&mut newton.free, &mut newton.slope, &mut newton.yields] {
             values.resize(problem.unknowns.len(), T::splat(0.0));
         }
@@ -146,6 +158,7 @@ impl<T: Real> LaneWork for Search<'_, T> {
                 *y = T::select(goes_on, *y + length * direction, *y);
             }
             taken += T::splat(1.0);
+            tries = T::and(tries, T::or(taken.less(sure), T::not(length.less(T::splat(LONG)))));
         }
     }
 }
