@@ -130,7 +130,7 @@ impl Follower {
         }
     }
 
-    /// Goes on with a script from that time of it, s, in place of its beginning.
+    /// Follows a script from now on at that time of it (s) and later.
     pub fn go_on_from(&mut self, time: f64) {
         if let Course::Script { start, .. } = &mut self.course {
             (*start, self.next) = (time, None);
