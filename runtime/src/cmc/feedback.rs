@@ -56,6 +56,10 @@ const BALANCE: Law = Law { stiffness: 30.0, damping: 11.0, weight: 3.0 };
 const HEIGHT: Law = Law { stiffness: 300.0, damping: 34.6, weight: 3.0 };
 /// Of the centre of mass along each axis of the world.
 pub(super) const CENTRE: [Law; 3] = [BALANCE, BALANCE, HEIGHT];
+/// The same of a body that hangs: it is its own pendulum, and muscles that are at their limit would swing it higher and higher if its height came
+/// first, so that it does not sway comes first, and it is pulled up gently.
+pub(super) const HANGING: [Law; 3] = [SWAY, SWAY, Law { stiffness: 250.0, damping: 60.0, weight: 2.0 }];
+const SWAY: Law = Law { stiffness: 200.0, damping: 40.0, weight: 12.0 };
 /// Points of the feet: they shall come to rest where they are.
 pub(super) const FEET: Law = Law { stiffness: 0.0, damping: 30.0, weight: 2.0 };
 

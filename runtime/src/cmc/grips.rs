@@ -3,6 +3,7 @@
 //! A grip pulls and pushes in every direction. A connection holds one point, a weld three around its origin, which bear torques, too.
 
 use super::Present;
+use super::feedback::HANGING;
 use super::support::Point;
 use super::wishes::{Bearing, PointWish, Wishes};
 use msk_physics::model::{Equality, Model};
@@ -60,9 +61,13 @@ impl Grips {
         self.0.iter().map(|grip| grip.body)
     }
 
-    /// Wishes that the points which are held now stay where they are.
+    /// Wishes that the points which are held now stay where they are, and that a body which has nothing else to lean on hangs still.
     pub fn wish(&self, present: &Present<'_>, wishes: &mut Wishes) {
         let &Present { state, workspace, .. } = present;
+        let stands = wishes.points.iter().any(|wish| wish.bearing == Bearing::Ground);
+        if !stands && self.0.iter().any(|grip| state.active[grip.equality] != 0.0) {
+            wishes.centre.laws = HANGING;
+        }
         for (index, &Grip { equality, body, position }) in self.0.iter().enumerate() {
             if state.active[equality] == 0.0 {
                 continue;
