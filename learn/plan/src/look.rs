@@ -90,8 +90,8 @@ impl Look<'_> {
         Ok(self.faster(&best, &worth).unwrap_or(best))
     }
 
-    /// A fast gait, where the fastest of usual paces is the best choice, and that is much better. It is less sure of its steps, and falls on slopes and
-    /// stairs.
+    /// A fast gait, where the fastest of usual paces is the best choice, and that is much better. It neither turns nor stops well, and falls on slopes and
+    /// stairs, so it has to last for longer, on level ground.
     fn faster(&self, best: &Choice, worth: &Worth) -> Option<Choice> {
         let Settings { targets, .. } = self.settings;
         let [forward, left, turn] = targets.pace;
@@ -100,7 +100,7 @@ impl Look<'_> {
             return None;
         }
         let mut choices = self.walking(&Targets { pace: [targets.fast, left, turn], ..targets.clone() }, &FAST_PACES);
-        let worths = self.worths(&choices, KEPT);
+        let worths = Self { steps: FAST_LOOKS * self.steps, ..*self }.worths(&choices, KEPT);
         let much = worths.iter().enumerate().filter(|(_, other)| other.is_more_than(worth, FASTER));
         let (fastest, _) = much.max_by(|(_, a), (_, b)| a.reward.total_cmp(&b.reward))?;
         Some(choices.swap_remove(fastest))
@@ -202,6 +202,9 @@ const ABOUT: f64 = 0.02;
 /// By which share of its reward something else has to be better than to walk on, from which there is no way back, and a fast gait than a usual one.
 const MUCH: f64 = 0.5;
 const FASTER: f64 = 0.3;
+
+/// For how many looks a fast gait has to last.
+const FAST_LOOKS: u32 = 2;
 
 /// Times of a demonstration from which a body may go on that has walked: so many, evenly over its length. With walking on they fit one group of lanes.
 const PARTS: u32 = 6;

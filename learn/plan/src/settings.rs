@@ -114,7 +114,7 @@ impl Default for Targets {
             reach: 0.6,
             priority_factor: 4.0,
             pace: [1.0, 0.2, 0.5],
-            fast: 0.0,
+            fast: 2.0,
             along: Along::Auto,
         }
     }

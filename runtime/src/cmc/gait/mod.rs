@@ -27,7 +27,7 @@ use msk_program::task::RootPlacement;
 use nalgebra::{Vector2, Vector3};
 use pace::Manner;
 use path::Path;
-use pendulum::{BOTH, Pendulum, SINGLE, pressure};
+use pendulum::{Pendulum, Timing};
 use step::{Foot, Placed, Roll, Swing};
 
 /// How a body shall walk.
@@ -53,8 +53,7 @@ const SOLE: [f64; 2] = [0.065, 0.03];
 const PAST: f64 = 0.1;
 /// The greatest pace with which a gait starts, m/s: one of a body that comes faster makes shorter steps than it needs, and slows down.
 const START_PACE: f64 = 0.4;
-/// How fast a pace changes, m/s² and rad/s².
-const QUICKENING: f64 = 0.85;
+/// How fast a body comes to turn, rad/s².
 const TURNING: f64 = 1.3;
 /// How fast a body stands up into its gait, m/s.
 const RISING: f64 = 0.3;
@@ -169,11 +168,12 @@ impl Gait {
     /// Goes on with the step that a body takes which has just been set in motion at that speed, m/s.
     fn begin(&mut self, placed: &[Placed; 2], speed: f64) {
         let ahead = |foot: usize| turning::level((placed[foot].middle - placed[1 - foot].middle).xy(), -self.heading).x;
+        let timing = self.manner.timing;
         let lower = if placed[0].height < placed[1].height { 0 } else { 1 };
         if placed[1 - lower].height > placed[lower].height + 0.02 {
-            let share = 0.5 + 0.5 * ahead(1 - lower) / (speed.abs() * (BOTH + SINGLE)).at_least(0.1);
+            let share = 0.5 + 0.5 * ahead(1 - lower) / (speed.abs() * timing.step()).at_least(0.1);
             self.pressure = placed[lower].middle.xy();
-            let time = BOTH + SINGLE * share.clip(0.0, 1.0);
+            let time = timing.both + timing.single * share.clip(0.0, 1.0);
             self.phase = Phase::Stepping { stance: lower, time, from: self.pressure, lifted: None };
         } else if speed.abs() > 0.3 {
             let front = if ahead(0) * speed > 0.0 { 0 } else { 1 };
@@ -232,7 +232,7 @@ impl Gait {
         let &Present { body, model, state, workspace } = present;
         let com = workspace.kinematics.subtree_com[body.root.body];
         let gravity = (-model.options.gravity.z).at_least(1.0);
-        let pendulum = Pendulum::new(self.height, gravity);
+        let pendulum = Pendulum::new(self.height, gravity, self.manner.timing);
         let capture = com.xy() + velocity(present).xy() / pendulum.omega;
         let weight = workspace.kinematics.subtree_mass[body.root.body] * gravity;
         let spin = Snapshot { body, model, state, workspace }.angular_momentum();
@@ -242,7 +242,7 @@ impl Gait {
 
     fn change_pace(&mut self, walk: &Walk, hold: f64) {
         let change = walk.velocity - self.walk.velocity;
-        let most = QUICKENING * hold;
+        let most = Manner::of(walk.velocity.x).quickening * hold;
         self.walk.velocity += if change.norm() > most { change * (most / change.norm()) } else { change };
         self.height += (self.usual_height - self.manner.lower - self.height).clip(-RISING * hold, RISING * hold);
         self.walk.turn += (walk.turn - self.walk.turn).clip(-TURNING * hold, TURNING * hold);
@@ -264,7 +264,7 @@ impl Gait {
                 Phase::Shifting { stance: if aside > 0.0 { 1 } else { 0 }, time: 0.0 }
             }
             Phase::Shifting { stance, time } if time >= SHIFTING || self.inward(now, stance) < SHIFTED => {
-                Phase::Stepping { stance, time: BOTH, from: self.pressure, lifted: None }
+                Phase::Stepping { stance, time: self.manner.timing.both, from: self.pressure, lifted: None }
             }
             Phase::Stepping { stance, time, .. } if self.has_landed(now, stance, time) => match moves || pushed.norm() > CAUGHT {
                 true => Phase::Stepping { stance: 1 - stance, time: 0.0, from: self.pressure, lifted: None },
@@ -284,9 +284,10 @@ impl Gait {
         let Phase::Stepping { stance, time, .. } = self.phase else { return None };
         let forward = turning::level(Vector2::new(1.0, 0.0), self.heading);
         let past = (now.com.xy() - now.middle(stance)).dot(&forward) > PAST;
-        let foot = if time < BOTH { 1 - stance } else { stance };
+        let begins = time < self.manner.timing.both;
+        let foot = if begins { 1 - stance } else { stance };
         let heel = self.manner.heel;
-        (time < BOTH || past).then(|| Roll { keys: self.feet[foot].keys.clone(), middle: now.middle(foot), forward, heel })
+        (begins || past).then(|| Roll { keys: self.feet[foot].keys.clone(), middle: now.middle(foot), forward, heel })
     }
 
     /// How far the capture point is from the middle of a sole towards the other, m.
@@ -295,7 +296,8 @@ impl Gait {
     }
 
     fn has_landed(&self, now: &Now, stance: usize, time: f64) -> bool {
-        time >= BOTH + SINGLE || (time > BOTH + EARLY * SINGLE && now.placed[1 - stance].height < LANDED)
+        let Timing { both, single } = self.manner.timing;
+        time >= both + single || (time > both + EARLY * single && now.placed[1 - stance].height < LANDED)
     }
 
     /// Where the ground is to press for the capture point to go over a foot.
@@ -314,6 +316,7 @@ impl Gait {
         (stance, time, from, lifted): (usize, f64, Vector2<f64>, Option<Placed>),
     ) -> (Vector2<f64>, Option<Swing>) {
         let (pendulum, manner, swung) = (&now.pendulum, &self.manner, &self.feet[1 - stance]);
+        let Timing { both, single } = manner.timing;
         let places = [from, now.middle(stance)];
         let width = if self.moves() { WIDTH } else { STANDING_WIDTH };
         let velocity = self.path.follow(now.com.xy(), self.walk.velocity, self.heading, manner.returning);
@@ -324,12 +327,12 @@ impl Gait {
         let authority = pendulum.authority(time);
         let wanted = (end - pendulum.usual_end(&course)) / authority.at_least(1e-3);
         let within = Vector2::new(wanted.x.clip(-SOLE[0], SOLE[0]), wanted.y.clip(-SOLE[1], SOLE[1]));
-        let usual = pressure(time + 0.5 * now.hold, places);
-        let pressed = match time + now.hold < BOTH {
+        let usual = manner.timing.pressure(time + 0.5 * now.hold, places);
+        let pressed = match time + now.hold < both {
             true => self.within_both(now, usual + turning::level(wanted, self.heading)),
             false => usual + turning::level(within, self.heading),
         };
-        let lifted = lifted.or_else(|| (time + now.hold > BOTH - manner.early).then(|| now.placed[1 - stance]));
+        let lifted = lifted.or_else(|| (time + now.hold > both - manner.early).then(|| now.placed[1 - stance]));
         let way = lifted.map(|from| {
             let landing = pendulum.landing(end - within * authority, &course);
             let aside = (swung.side * landing.y).clip(LEAST_WIDTH, REACH[1]) * swung.side;
@@ -337,13 +340,13 @@ impl Gait {
                 turning::level(Vector2::new((landing.x - manner.short).clip(REACH[0], manner.reach), aside), self.heading);
             let bearing = &now.placed[stance];
             let place = (now.middle(stance) + landing).push(bearing.ground());
-            terrain::way(present, from, place, self.heading + swung.toes)
+            terrain::way(present, from, (place, self.heading + swung.toes), manner.lift)
         });
         let swing = way.as_ref().map(|way| {
-            way.swing((swung, manner), present, now.placed[1 - stance].middle, [time - BOTH + manner.early, now.hold])
+            way.swing((swung, manner), present, now.placed[1 - stance].middle, [time - both + manner.early, now.hold])
         });
         let lands = way.map_or(now.placed[1 - stance].ground(), |way| way.to.z);
-        self.climb(0.5 * (now.placed[stance].ground() + lands), BOTH + SINGLE - time, now.hold);
+        self.climb(0.5 * (now.placed[stance].ground() + lands), both + single - time, now.hold);
         self.phase = Phase::Stepping { stance, time: time + now.hold, from, lifted };
         (pressed, swing)
     }

@@ -24,15 +24,34 @@
 use msk_physics::scalar::Real;
 use nalgebra::Vector2;
 
-/// For how long both feet bear at the start of a step, D, and one of them after that, s.
-pub(super) const BOTH: f64 = 0.063;
-pub(super) const SINGLE: f64 = 0.39;
+/// How long a step takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Timing {
+    /// For how long both feet bear at its start, D, s.
+    pub both: f64,
+    /// For how long one of them bears after that, s.
+    pub single: f64,
+}
+
+impl Timing {
+    /// Of the whole step, T, s.
+    pub fn step(&self) -> f64 {
+        self.both + self.single
+    }
+
+    /// Where the ground usually presses at a time of a step, s.
+    pub fn pressure(&self, time: f64, [from, to]: [Vector2<f64>; 2]) -> Vector2<f64> {
+        let share = (time / self.both).clip(0.0, 1.0);
+        from * (1.0 - share) + to * share
+    }
+}
 
 /// The pendulum of a body, and what grows in a step of it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pendulum {
     /// 1/s.
     pub omega: f64,
+    timing: Timing,
     /// E and K.
     grown: f64,
     ramp: f64,
@@ -48,12 +67,12 @@ pub(super) struct Course {
 }
 
 impl Pendulum {
-    /// Of a centre of mass at this height over the ground (m), under this gravity (m/s²).
-    pub fn new(height: f64, gravity: f64) -> Self {
+    /// Of a centre of mass at this height over the ground (m), under this gravity (m/s²), in steps that take so long.
+    pub fn new(height: f64, gravity: f64, timing: Timing) -> Self {
         let omega = (gravity / height.at_least(0.1)).sqrt();
-        let grown = libm::exp(omega * (BOTH + SINGLE));
-        let ramp = grown * (1.0 - (1.0 - libm::exp(-omega * BOTH)) / (omega * BOTH));
-        Self { omega, grown, ramp }
+        let grown = libm::exp(omega * timing.step());
+        let ramp = grown * (1.0 - (1.0 - libm::exp(-omega * timing.both)) / (omega * timing.both));
+        Self { omega, timing, grown, ramp }
     }
 
     /// Where a capture point is after `duration` (s) in which the pressure goes evenly from the first place to the second.
@@ -67,25 +86,26 @@ impl Pendulum {
 
     /// Where a capture point is at the end of a step `time` (s) after it began, if the pressure goes from one place to another as usual.
     pub fn end(&self, capture: Vector2<f64>, time: f64, [from, to]: [Vector2<f64>; 2]) -> Vector2<f64> {
-        let landed = self.run(capture, [pressure(time, [from, to]), to], BOTH - time);
-        self.run(landed, [to, to], (BOTH + SINGLE - time).at_most(SINGLE))
+        let Timing { both, single } = self.timing;
+        let landed = self.run(capture, [self.timing.pressure(time, [from, to]), to], both - time);
+        self.run(landed, [to, to], (both + single - time).at_most(single))
     }
 
     /// By how much it ends further ahead for an angular momentum that is spent until then: ω l / m g now, m.
     pub fn swung(&self, time: f64, momentum: Vector2<f64>) -> Vector2<f64> {
-        let rest = (BOTH + SINGLE - time).at_least(1e-3);
+        let rest = (self.timing.step() - time).at_least(1e-3);
         momentum * (self.authority(time) / (self.omega * rest))
     }
 
     /// By how much it ends further back if the pressure is further ahead by 1 from `time` on.
     pub fn authority(&self, time: f64) -> f64 {
-        libm::exp(self.omega * (BOTH + SINGLE - time).at_least(0.0)) - 1.0
+        libm::exp(self.omega * (self.timing.step() - time).at_least(0.0)) - 1.0
     }
 
     /// The course of a gait of that velocity (m/s, in the axes of its heading) whose feet are `across` apart: the vector to where the foot that is on
     /// its way usually lands, if the body stays.
     pub fn course(&self, velocity: Vector2<f64>, across: Vector2<f64>) -> Course {
-        let way = velocity * (BOTH + SINGLE);
+        let way = velocity * self.timing.step();
         let passed = way * ((1.0 - self.ramp) / (self.grown - 1.0)) + across * ((1.0 + self.ramp) / (self.grown + 1.0));
         Course { usual: way + across, next: way - across + passed }
     }
@@ -101,16 +121,13 @@ impl Pendulum {
     }
 }
 
-/// Where the ground usually presses at a time of a step, s.
-pub(super) fn pressure(time: f64, [from, to]: [Vector2<f64>; 2]) -> Vector2<f64> {
-    let share = (time / BOTH).clip(0.0, 1.0);
-    from * (1.0 - share) + to * share
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    const TIMING: Timing = Timing { both: 0.063, single: 0.39 };
+    const STEP: f64 = 0.453;
 
     fn vector([x, y]: [f64; 2]) -> Vector2<f64> {
         Vector2::new(x, y)
@@ -119,26 +136,26 @@ mod tests {
     proptest! {
         #[test]
         fn the_end_is_that_of_the_equation_of_motion(
-            capture in prop::array::uniform2(-0.3..0.3_f64), from in prop::array::uniform2(-0.3..0.3_f64), begun in 0.0..BOTH + SINGLE,
+            capture in prop::array::uniform2(-0.3..0.3_f64), from in prop::array::uniform2(-0.3..0.3_f64), begun in 0.0..STEP,
         ) {
-            let (pendulum, places) = (Pendulum::new(0.9, 9.81), [vector(from), Vector2::zeros()]);
+            let (pendulum, places) = (Pendulum::new(0.9, 9.81, TIMING), [vector(from), Vector2::zeros()]);
             let (steps, mut found) = (20_000, vector(capture));
-            let period = (BOTH + SINGLE - begun) / f64::from(steps);
+            let period = (STEP - begun) / f64::from(steps);
             for step in 0..steps {
                 let time = begun + (f64::from(step) + 0.5) * period;
                 // The midpoint rule.
-                let half = found + (found - pressure(time, places)) * (0.5 * pendulum.omega * period);
-                found += (half - pressure(time, places)) * (pendulum.omega * period);
+                let half = found + (found - TIMING.pressure(time, places)) * (0.5 * pendulum.omega * period);
+                found += (half - TIMING.pressure(time, places)) * (pendulum.omega * period);
             }
             prop_assert!((found - pendulum.end(vector(capture), begun, places)).norm() < 1e-5);
         }
 
         #[test]
         fn momentum_that_is_spent_evenly_brings_the_capture_point_where_it_is_foreseen(
-            momentum in prop::array::uniform2(-0.1..0.1_f64), begun in 0.0..0.9 * (BOTH + SINGLE),
+            momentum in prop::array::uniform2(-0.1..0.1_f64), begun in 0.0..0.9 * STEP,
         ) {
-            let pendulum = Pendulum::new(0.9, 9.81);
-            let (steps, rest) = (20_000, BOTH + SINGLE - begun);
+            let pendulum = Pendulum::new(0.9, 9.81, TIMING);
+            let (steps, rest) = (20_000, STEP - begun);
             let period = rest / f64::from(steps);
             let mut found = Vector2::zeros();
             for _ in 0..steps {
@@ -153,7 +170,7 @@ mod tests {
         fn two_steps_bring_any_capture_point_back_to_the_gait(
             capture in prop::array::uniform2(-0.2..0.2_f64), velocity in prop::array::uniform2(-0.5..0.8_f64),
         ) {
-            let pendulum = Pendulum::new(0.9, 9.81);
+            let pendulum = Pendulum::new(0.9, 9.81, TIMING);
             let across = |step: usize| Vector2::new(0.0, if step.is_multiple_of(2) { 0.18 } else { -0.18 });
             let (mut before, mut stance, mut capture) = (vector([0.0, 0.18]), Vector2::zeros(), vector(capture));
             let mut ways = Vec::new();
@@ -171,7 +188,7 @@ mod tests {
 
     #[test]
     fn the_usual_end_leads_to_the_usual_landing() {
-        let pendulum = Pendulum::new(0.9, 9.81);
+        let pendulum = Pendulum::new(0.9, 9.81, TIMING);
         let course = pendulum.course(Vector2::new(0.5, -0.1), Vector2::new(0.0, 0.2));
         let landing = pendulum.landing(pendulum.usual_end(&course), &course);
         assert!((landing - course.usual).norm() < 1e-12);

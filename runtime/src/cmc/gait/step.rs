@@ -5,14 +5,11 @@ use super::super::feedback::Law;
 use super::super::support::Point;
 use super::super::wishes::{Bearing, PointWish};
 use super::pace::Manner;
-use super::pendulum::SINGLE;
 use crate::cmc::{Present, turning};
 use core::ops::Range;
 use msk_physics::scalar::Real;
 use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
 
-/// How high a foot is lifted on its way, m.
-const LIFT: f64 = 0.038;
 /// Which share of its time a foot takes to be where it lands; in what is left it seeks the ground, and goes this far below, m.
 const ARRIVED: f64 = 0.914;
 const SEEK: f64 = 0.02;
@@ -100,7 +97,7 @@ pub(super) struct Way {
     pub heading: f64,
     /// Of the ground there.
     pub normal: Vector3<f64>,
-    /// How much higher than usual it is lifted, m.
+    /// How high it is lifted, m.
     pub lift: f64,
 }
 
@@ -131,7 +128,7 @@ impl Way {
         let (risen, _) = eased(if way.z > 0.0 { share / SOON } else { (share - (ARRIVED - SOON * ARRIVED)) / SOON });
         let sunk = SEEK * ((share - ARRIVED) / (1.0 - ARRIVED)).clip(0.0, 1.0);
         let level = Vector3::new(way.x * along, way.y * along, way.z * risen);
-        self.from.middle + level + Vector3::z() * ((LIFT + self.lift) * bump - sunk)
+        self.from.middle + level + Vector3::z() * (self.lift * bump - sunk)
     }
 
     /// By how much it is higher after a share of the time if it is lifted by 1 more.
@@ -147,7 +144,7 @@ impl Way {
         middle: Vector3<f64>,
         [time, hold]: [f64; 2],
     ) -> Swing {
-        let share = |time: f64| time / (SINGLE + manner.early);
+        let share = |time: f64| time / (manner.timing.single + manner.early);
         let (bearing, time) = (time + hold <= manner.early, time + manner.ahead);
         let [now, next, later] = [0.0, 1.0, 2.0].map(|holds| self.at(share(time + holds * hold)));
         let (along, _) = eased(share(time + hold));

@@ -6,13 +6,13 @@ use crate::scene::ground::Ground;
 use msk_physics::scalar::Real;
 use nalgebra::{Vector2, Vector3};
 
-/// The way of a foot that points there from where it has left the ground to about a place on it.
-pub(super) fn way(present: &Present<'_>, from: Placed, place: Vector3<f64>, heading: f64) -> Way {
-    let level = Way { from, to: place, heading, normal: Vector3::z(), lift: 0.0 };
+/// The way of a foot that points there from where it has left the ground to about a place on it, lifted by so much (m), or more where it has to be.
+pub(super) fn way(present: &Present<'_>, from: Placed, (place, heading): (Vector3<f64>, f64), lift: f64) -> Way {
+    let level = Way { from, to: place, heading, normal: Vector3::z(), lift };
     let Some(terrain) = Terrain::under(present) else { return level };
     let to = terrain.foothold(place, heading);
     let way = Way { to, normal: terrain.0.normal(to.xy()), ..level };
-    Way { lift: terrain.lift(&way), ..way }
+    Way { lift: lift + terrain.lift(&way), ..way }
 }
 
 /// Ground that is not level.
@@ -28,7 +28,7 @@ const EVEN: f64 = 0.005;
 const SHIFTS: [f64; 14] = [0.0, -0.03, -0.06, 0.03, -0.09, -0.12, 0.06, -0.16, -0.2, 0.09, -0.24, 0.12, 0.16, 0.2];
 /// What is this much higher or lower than the other foot is no place to land, m.
 const CLIMB: f64 = 0.35;
-/// How far over the ground a foot goes in the middle of its way, m, and how much higher than usual at most.
+/// How far over the ground a foot goes in the middle of its way, m, and how much higher than on level ground at most.
 const CLEAR: f64 = 0.03;
 const MOST_LIFT: f64 = 0.3;
 /// Moments of a way at which that is looked at.
@@ -61,7 +61,7 @@ impl<'a> Terrain<'a> {
         found.unwrap_or(place)
     }
 
-    /// By how much more than usual a foot has to be lifted on its way, m. Its sole is tilted as the ground is where it lands.
+    /// By how much more a foot has to be lifted on its way, m. Its sole is tilted as the ground is where it lands.
     fn lift(&self, way: &Way) -> f64 {
         let tilt = SOLE.map(|along| {
             let part = turning::level(Vector2::new(along, 0.0), way.heading);
@@ -128,7 +128,7 @@ mod tests {
                 };
                 let to = Vector2::new(to, 0.0);
                 let (normal, to) = (terrain.0.normal(to), to.push(terrain.0.height(to)));
-                terrain.lift(&Way { from, to, heading: 0.0, normal, lift: 0.0 })
+                terrain.lift(&Way { from, to, heading: 0.0, normal, lift: 0.038 })
             })
         };
         assert_eq!(lift(0.0, 0.6), 0.0);
