@@ -31,6 +31,20 @@ impl Curve {
         }
     }
 
+    /// The same curve, with `rest` in these entries at all knots.
+    pub fn without(&self, entries: Range<usize>, rest: f64) -> Self {
+        let mut without = self.clone();
+        without.hold(entries, || rest);
+        without
+    }
+
+    /// Mean distance of these entries from `rest`.
+    pub fn mean_distance(&self, entries: Range<usize>, rest: f64) -> f64 {
+        let distances = self.values.chunks(self.width.max(1)).flat_map(|knot| knot.get(entries.clone()).unwrap_or_default());
+        let (count, sum) = distances.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + (value - rest).abs()));
+        sum / f64::from(count.max(1))
+    }
+
     /// Mean square of the distance of its values from `rest`.
     pub fn mean_square(&self, rest: f64) -> f64 {
         self.values.iter().map(|value| (value - rest) * (value - rest)).sum::<f64>() / self.values.len().max(1) as f64
@@ -154,6 +168,15 @@ mod tests {
         assert!(close(&curve.values, &[0.3, 0.7, 0.6, 0.4, 0.9, 0.1, 0.55, 0.15]), "{:?}", curve.values);
         curve.advance(1e9, 0.2, 0.0);
         assert_eq!(curve.values, [0.2; 8]);
+    }
+
+    #[test]
+    fn some_entries_are_brought_to_rest_and_measured_from_there() {
+        let curve = line(Interpolation::Linear);
+        assert!((curve.mean_distance(1..2, 0.5) - 0.3).abs() < 1e-12);
+        let without = curve.without(1..2, 0.5);
+        assert_eq!(without.values, [0.0, 0.5, 0.3, 0.5, 0.6, 0.5, 0.9, 0.5]);
+        assert_eq!([without.mean_distance(1..2, 0.5), curve.mean_distance(2..2, 0.5)], [0.0; 2]);
     }
 
     #[test]

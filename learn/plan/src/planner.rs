@@ -7,7 +7,7 @@ use crate::proposal::Noise;
 use crate::search::Search;
 use crate::settings::Settings;
 use crate::space::Space;
-use crate::value::Judge;
+use crate::value::{Asked, Judge};
 use msk_runtime::action::{ControlMemory, Controls, follow_share};
 use msk_runtime::episode::{Engine, Stream};
 use msk_runtime::policy::{ActsOn, Policy, PolicyContext, PolicyError};
@@ -131,8 +131,7 @@ impl Planning {
             let proposals: Vec<Proposal<'_>> = plans.iter().map(|plan| Proposal { space, entries, plan }).collect();
             let present = Present { context: *context, name: &name };
             let traces = self.imaginer.play(&present, &proposals, extent, stop).ok_or(PolicyError::Interrupted)?;
-            let changes: Vec<f64> = plans.iter().map(|plan| plan.mean_square(followed.rest)).collect();
-            let values = followed.judge.values(&traces, &changes);
+            let values = followed.judge.values(&traces, &followed.asked_by(&plans));
             followed.search.update(&plans, &values, &followed.settings);
         }
         followed.planned = Some(context.step);
@@ -181,6 +180,7 @@ impl Followed {
                 balance_price: settings.balance_price * frequency,
                 // A body that changes its pace for next to nothing stumbles.
                 stay_price: if walks { STAY * sight } else { 0.0 },
+                stray_price: if walks { ASTRAY * sight } else { 0.0 },
                 change_price: settings.change_price * f64::from(extent.steps[0]),
             },
             rest: space.rest(context),
@@ -204,22 +204,36 @@ impl Followed {
         self.search.advance(share, self.rest, &self.settings);
     }
 
-    /// The plans of a round: the present one, none at all, the mean of good ones, the present one as it fades, and proposals around these.
+    /// What the plans of a round ask for. One that goes straight on where the present one does not is no other: a body that has come to go aside or
+    /// to turn for next to nothing stops doing so.
+    fn asked_by(&self, plans: &[Curve]) -> Vec<Asked> {
+        let asked = plans.iter().enumerate().map(|(index, plan)| Asked {
+            change: plan.mean_square(self.rest),
+            astray: plan.mean_distance(self.space.astray(), self.rest),
+            other: ![PRESENT, SETTLED].contains(&index),
+        });
+        asked.collect()
+    }
+
+    /// The plans of a round: the present one, none at all, the mean of good ones, the present one as it fades or, of a body that walks, straight on, and
+    /// proposals around these.
     fn proposals(&self, context: &PolicyContext<'_>, round: u32) -> Vec<Curve> {
         let (settings, Search { plan, mean, deviation }) = (&self.settings, &self.search);
-        let fading = plan.fading(self.rest);
+        let (pace, astray) = (self.space.pace(), self.space.astray());
+        let straight = |plan: &Curve| plan.without(astray.clone(), self.rest);
+        let settled = if self.space.walks() { straight(plan) } else { plan.fading(self.rest) };
         let idle = Curve { values: vec![self.rest; plan.values.len()], ..plan.clone() };
         let noise = Noise { colour: settings.colour, part: settings.part };
         let own = if settings.seed == 0 { String::new() } else { format!("seed {}/", settings.seed) };
         let around = [plan, mean, plan, mean, plan, mean, plan, &idle];
-        let mut plans = vec![plan.clone(), idle.clone(), mean.clone(), fading];
+        let mut plans = vec![plan.clone(), idle.clone(), mean.clone(), settled];
         plans.extend((4..settings.samples).map(|index| {
             let mut stream = Stream::new(context.key, &format!("policy/plan/{own}{}/{round}/{index}", context.step));
             let mut plan = noise.propose(index, around[index % around.len()], deviation, &mut stream);
             if index % 4 == 1 {
-                plan.hold(self.space.pace(), || 2.0 * stream.uniform() - 1.0);
+                plan.hold(pace.clone(), || 2.0 * stream.uniform() - 1.0);
             }
-            plan
+            if index % 8 == 1 { straight(&plan) } else { plan }
         }));
         plans
     }
@@ -258,6 +272,13 @@ const SETTLING: f64 = 1.0;
 
 /// By which share of the reward in sight another pace has to be better than the present one.
 const STAY: f64 = 0.1;
+
+/// By which share of it a pace has to be better that goes aside and turns as fast as it can than one straight on: what it leads to lies out of sight.
+const ASTRAY: f64 = 0.03;
+
+/// Places among the plans of a round: of the present one, and of what is closest to it and asks for less.
+const PRESENT: usize = 0;
+const SETTLED: usize = 3;
 
 /// Control steps that come nearest to a time, s.
 fn steps(time: f64, frequency: f64) -> u32 {

@@ -102,6 +102,12 @@ impl Space {
         }
     }
 
+    /// Those of them that lead off the way straight ahead: left, turn.
+    pub fn astray(&self) -> Range<usize> {
+        let pace = self.pace();
+        (pace.start + 1).min(pace.end)..pace.end
+    }
+
     /// Whether entries of a plan say how a gait goes.
     pub fn walks(&self) -> bool {
         !self.pace().is_empty()

@@ -47,6 +47,17 @@ impl Units {
     }
 }
 
+/// What a plan asks for, beside what comes of it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Asked {
+    /// How far it is from asking for nothing, 0 to 1.
+    pub change: f64,
+    /// How far a body that walks leaves the way straight ahead, 0 to 1.
+    pub astray: f64,
+    /// Whether it is neither the present plan nor that one straight on.
+    pub other: bool,
+}
+
 /// How traces are judged.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Judge {
@@ -58,20 +69,23 @@ pub(crate) struct Judge {
     pub failure_price: f64,
     /// Price of an [`IMBALANCE`] at the end, in steps of the usual reward.
     pub balance_price: f64,
-    /// How much better another plan has to be than the first, the present one, in steps of the usual reward.
+    /// How much better another plan has to be than the present one, in steps of the usual reward.
     pub stay_price: f64,
+    /// Price of a pace that goes aside and turns as fast as it can, in steps of the usual reward.
+    pub stray_price: f64,
     /// Price of a plan whose entries are all at the ends of their ranges, in steps of the usual reward.
     pub change_price: f64,
 }
 
 impl Judge {
-    /// The value of each trace; greater is better. `changes` says how far each plan is from asking for nothing, 0 to 1.
-    pub fn values(&self, traces: &[Trace], changes: &[f64]) -> Vec<f64> {
+    /// The value of each trace, whose plan has asked for so much; greater is better.
+    pub fn values(&self, traces: &[Trace], asked: &[Asked]) -> Vec<f64> {
         let units = Units::of(traces);
-        let change_price = units.usual * self.change_price;
-        let stay_price = |index: usize| if index == 0 { 0.0 } else { units.usual * self.stay_price };
-        let each = traces.iter().zip(changes).enumerate();
-        each.map(|(index, (trace, change))| self.value(trace, units) - change_price * change - stay_price(index)).collect()
+        let price = |asked: &Asked| {
+            let stay_price = if asked.other { self.stay_price } else { 0.0 };
+            units.usual * (self.change_price * asked.change + self.stray_price * asked.astray + stay_price)
+        };
+        traces.iter().zip(asked).map(|(trace, asked)| self.value(trace, units) - price(asked)).collect()
     }
 
     fn value(&self, trace: &Trace, units: Units) -> f64 {
@@ -98,8 +112,15 @@ impl Judge {
 mod tests {
     use super::*;
 
-    const JUDGE: Judge =
-        Judge { steps: [10, 5], tail_weight: 0.5, failure_price: 10.0, balance_price: 4.0, stay_price: 0.0, change_price: 0.0 };
+    const JUDGE: Judge = Judge {
+        steps: [10, 5],
+        tail_weight: 0.5,
+        failure_price: 10.0,
+        balance_price: 4.0,
+        stay_price: 0.0,
+        stray_price: 0.0,
+        change_price: 0.0,
+    };
 
     const ONE: Units = Units { largest: 1.0, usual: 1.0 };
 
@@ -108,21 +129,30 @@ mod tests {
     }
 
     fn judged(traces: &[Trace]) -> Vec<f64> {
-        JUDGE.values(traces, &vec![0.0; traces.len()])
+        JUDGE.values(traces, &vec![Asked::default(); traces.len()])
     }
 
     #[test]
     fn of_two_plans_that_earn_the_same_the_smaller_one_is_better() {
         let judge = Judge { change_price: 2.0, ..JUDGE };
         let same = [trace([5.0, 0.0], 15, false); 2];
-        assert_eq!(judge.values(&same, &[0.25, 0.0]), [4.5, 5.0]);
+        let asked = [0.25, 0.0].map(|change| Asked { change, ..Asked::default() });
+        assert_eq!(judge.values(&same, &asked), [4.5, 5.0]);
     }
 
     #[test]
     fn another_plan_has_to_be_better_by_the_price_of_leaving_the_present_one() {
         let judge = Judge { stay_price: 0.5, ..JUDGE };
         let traces = [trace([5.0, 0.0], 15, false), trace([5.75, 0.0], 15, false)];
-        assert_eq!(judge.values(&traces, &[0.0; 2]), [5.0, 5.25]);
+        let asked = [false, true].map(|other| Asked { other, ..Asked::default() });
+        assert_eq!(judge.values(&traces, &asked), [5.0, 5.25]);
+    }
+
+    #[test]
+    fn of_two_paces_that_earn_the_same_the_one_straight_on_is_better() {
+        let judge = Judge { stray_price: 0.5, ..JUDGE };
+        let asked = [0.5, 0.0].map(|astray| Asked { astray, ..Asked::default() });
+        assert_eq!(judge.values(&[trace([5.0, 0.0], 15, false); 2], &asked), [4.75, 5.0]);
     }
 
     #[test]
