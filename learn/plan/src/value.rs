@@ -81,11 +81,11 @@ impl Judge {
     /// The value of each trace, whose plan has asked for so much; greater is better.
     pub fn values(&self, traces: &[Trace], asked: &[Asked]) -> Vec<f64> {
         let units = Units::of(traces);
-        let price = |asked: &Asked| {
-            let stay_price = if asked.other { self.stay_price } else { 0.0 };
-            units.usual * (self.change_price * asked.change + self.stray_price * asked.astray + stay_price)
+        let [change, stray, stay] = [self.change_price, self.stray_price, self.stay_price].map(|price| units.usual * price);
+        let value = |(trace, asked): (&Trace, &Asked)| {
+            self.value(trace, units) - change * asked.change - if asked.other { stay } else { 0.0 } - stray * asked.astray
         };
-        traces.iter().zip(asked).map(|(trace, asked)| self.value(trace, units) - price(asked)).collect()
+        traces.iter().zip(asked).map(value).collect()
     }
 
     fn value(&self, trace: &Trace, units: Units) -> f64 {
