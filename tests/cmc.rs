@@ -85,12 +85,12 @@ fn demonstrate(episode: &mut Environment, steps: usize) -> Vec<[f64; 3]> {
     let mut policy = policy::create("demonstration").unwrap();
     policy.reset(&episode.context()).unwrap();
     let mut action = vec![0.0; episode.context().body.muscles.len()];
-    let mut take = |_| {
+    let take = |_| {
         policy.act(&episode.context(), &mut action).unwrap();
         episode.step(&action).unwrap();
         root(episode)
     };
-    (0..steps).map(&mut take).collect()
+    (0..steps).map(take).collect()
 }
 
 fn root(episode: &Environment) -> [f64; 3] {

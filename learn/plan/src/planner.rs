@@ -219,9 +219,8 @@ impl Followed {
     /// proposals around these.
     fn proposals(&self, context: &PolicyContext<'_>, round: u32) -> Vec<Curve> {
         let (settings, Search { plan, mean, deviation }) = (&self.settings, &self.search);
-        let (pace, astray) = (self.space.pace(), self.space.astray());
-        let straight = |plan: &Curve| plan.without(astray.clone(), self.rest);
-        let settled = if self.space.walks() { straight(plan) } else { plan.fading(self.rest) };
+        let walks = self.space.walks();
+        let settled = if walks { plan.without(self.space.astray(), self.rest) } else { plan.fading(self.rest) };
         let idle = Curve { values: vec![self.rest; plan.values.len()], ..plan.clone() };
         let noise = Noise { colour: settings.colour, part: settings.part };
         let own = if settings.seed == 0 { String::new() } else { format!("seed {}/", settings.seed) };
@@ -231,9 +230,12 @@ impl Followed {
             let mut stream = Stream::new(context.key, &format!("policy/plan/{own}{}/{round}/{index}", context.step));
             let mut plan = noise.propose(index, around[index % around.len()], deviation, &mut stream);
             if index % 4 == 1 {
-                plan.hold(pace.clone(), || 2.0 * stream.uniform() - 1.0);
+                plan.hold(self.space.pace(), || 2.0 * stream.uniform() - 1.0);
             }
-            if index % 8 == 1 { straight(&plan) } else { plan }
+            if index % 8 == 1 {
+                plan.hold(self.space.astray(), || self.rest);
+            }
+            plan
         }));
         plans
     }
