@@ -12,7 +12,7 @@ pub enum Preset {
     /// To look at behaviour: seconds of computing for each simulated second.
     #[default]
     Fast,
-    /// For results: some times as long.
+    /// For results: what is imagined is closer to what will be, for half as much computing again.
     Good,
     /// As far as patience goes.
     Best,
@@ -239,8 +239,8 @@ impl Settings {
         };
         match preset {
             Preset::Fast => fast,
-            Preset::Good => Self { samples: 48, horizon: 0.8, tail: 0.3, replan: 5, ..fast },
-            Preset::Best => Self { samples: 96, rounds: 2, horizon: 1.0, tail: 0.5, replan: 5, ..fast },
+            Preset::Good => Self { rough: false, coarseness: 2, ..fast },
+            Preset::Best => Self { samples: 48, rounds: 2, replan: 5, rough: false, coarseness: 1, ..fast },
         }
     }
 
