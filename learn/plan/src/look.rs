@@ -99,7 +99,13 @@ impl Look<'_> {
         if !best.asks_for(FASTEST) || targets.fast <= forward || !level {
             return None;
         }
-        let mut choices = self.walking(&Targets { pace: [targets.fast, left, turn], ..targets.clone() }, &FAST_PACES);
+        let pace = [targets.fast, left, turn];
+        // It loses its balance where its trunk is bent.
+        let fast = match targets.joints.is_empty() {
+            true => Targets { pace, joint_range: 0.0, arm_range: 0.0, ..targets.clone() },
+            false => Targets { pace, ..targets.clone() },
+        };
+        let mut choices = self.walking(&fast, &FAST_PACES);
         let worths = Self { steps: FAST_LOOKS * self.steps, ..*self }.worths(&choices, KEPT);
         let much = worths.iter().enumerate().filter(|(_, other)| other.is_more_than(worth, FASTER));
         let (fastest, _) = much.max_by(|(_, a), (_, b)| a.reward.total_cmp(&b.reward))?;

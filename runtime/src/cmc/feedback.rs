@@ -35,6 +35,11 @@ impl Law {
     pub const fn critical(stiffness: f64, root: f64, weight: f64) -> Self {
         Self { stiffness, damping: 2.0 * root, weight }
     }
+
+    /// As many times as stiff, and damped as well as before.
+    fn firm(self, times: f64) -> Self {
+        Self { stiffness: self.stiffness * times, damping: self.damping * times.sqrt(), ..self }
+    }
 }
 
 /// The acceleration that a stiffness (1/s²) and a damping (1/s) wish for at `error` = x* - x and `velocity`, where the reference has a velocity and
@@ -216,10 +221,11 @@ impl Feedback {
     /// neutral one. `offsets` move the targets of joints and root, and the height.
     pub fn walk(&self, view: &View<'_>, body: &Body, (points, step): (&[Point], &Step), offsets: &Offsets, wishes: &mut Wishes) {
         wishes.clear(view.coordinates.len());
-        wish_joints(&self.joints, Toward::Walking, view, body, offsets, wishes);
+        let [root_times, joint_times] = step.firmness;
+        wish_joints(&self.joints, Toward::Walking { firm: joint_times }, view, body, offsets, wishes);
         if let Some(root) = &self.root {
             let orientation = offsets.orientation(body, &step.orientation);
-            wish_orientation(root, &WALKING_ROOT, view, &orientation, [step.spin, Vector3::zeros()], wishes);
+            wish_orientation(root, &WALKING_ROOT.firm(root_times), view, &orientation, [step.spin, Vector3::zeros()], wishes);
             wishes.centre = CentreWish {
                 error: Vector3::z() * (step.height + offsets.center_of_mass.z - view.com(root.body).z),
                 moving: Vector3::z() * step.rise,
@@ -255,8 +261,8 @@ enum Toward<'a> {
     Pose,
     /// Where a goal has them.
     Goal(&'a Goal),
-    /// In the reference pose, but for those of the legs.
-    Walking,
+    /// In the reference pose, but for those of the legs, and so many times as stiff as usual.
+    Walking { firm: f64 },
 }
 
 fn wish_joints(
@@ -273,8 +279,8 @@ fn wish_joints(
         let (reference, moving, law) = match (toward, walking) {
             (Toward::Pose, _) => (value, [0.0; 2], JOINTS),
             (Toward::Goal(goal), _) => (goal.position[position], [goal.velocity[position], goal.acceleration[position]], JOINTS),
-            (Toward::Walking, None) => (value, [0.0; 2], WALKING_JOINTS),
-            (Toward::Walking, Some(neutral)) => (neutral, [0.0; 2], WALKING_LEGS),
+            (Toward::Walking { firm }, None) => (value, [0.0; 2], WALKING_JOINTS.firm(firm)),
+            (Toward::Walking { .. }, Some(neutral)) => (neutral, [0.0; 2], WALKING_LEGS),
         };
         let reference = offsets.joint(body, index, reference);
         let wish = law.acceleration(reference - state.position[position], state.velocity[dof], moving, hold);

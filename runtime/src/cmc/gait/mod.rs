@@ -39,16 +39,15 @@ pub(crate) struct Walk {
     pub turn: f64,
 }
 
-/// Between the middles of the soles of a body that goes straight on, m; of one that is to stay, which a narrower stance lets fall; the least; and how far a
-/// foot reaches back and to its side, m.
-const WIDTH: f64 = 0.16;
+/// Between the middles of the soles of a body that is to stay, which a narrower stance lets fall, m; the least of any; and how far a foot reaches back and
+/// to its side, m.
 const STANDING_WIDTH: f64 = 0.2;
 const LEAST_WIDTH: f64 = 0.11;
 const REACH: [f64; 2] = [-0.6, 0.5];
 /// How far out or in a foot points at most, rad.
 const TOES: f64 = 0.1;
-/// How far the centre of pressure may be from the middle of a sole, forward and to the side, m.
-const SOLE: [f64; 2] = [0.065, 0.03];
+/// How far the centre of pressure may be ahead of the middle of a sole, or behind it, m.
+const SOLE: f64 = 0.065;
 /// A body is past the foot that bears when it is this far ahead of the middle of its sole, m.
 const PAST: f64 = 0.1;
 /// The greatest pace with which a gait starts, m/s: one of a body that comes faster makes shorter steps than it needs, and slows down.
@@ -209,10 +208,12 @@ impl Gait {
         Some(Step {
             orientation: rotation::from_matrix(&facing),
             spin: facing.transpose() * Vector3::z() * self.walk.turn,
+            firmness: self.manner.firmness,
             height: self.level + self.height,
             rise: self.rise,
             acceleration: (now.com.xy() - pressure) * (now.pendulum.omega * now.pendulum.omega),
             swing,
+            stance: self.manner.stance,
             roll: self.roll(&now),
         })
     }
@@ -318,15 +319,15 @@ impl Gait {
         let (pendulum, manner, swung) = (&now.pendulum, &self.manner, &self.feet[1 - stance]);
         let Timing { both, single } = manner.timing;
         let places = [from, now.middle(stance)];
-        let width = if self.moves() { WIDTH } else { STANDING_WIDTH };
-        let velocity = self.path.follow(now.com.xy(), self.walk.velocity, self.heading, manner.returning);
+        let width = if self.moves() { manner.width } else { STANDING_WIDTH };
+        let velocity = self.path.follow(now.com.xy(), self.walk.velocity, self.heading, manner.returning) * manner.stride;
         let course = pendulum.course(velocity, Vector2::new(0.0, swung.side * width));
         let end = turning::level(pendulum.end(now.capture, time, places) - now.middle(stance), -self.heading);
         let momentum = turning::level(now.momentum, -self.heading).x * manner.foreseen;
         let end = end + pendulum.swung(time, Vector2::new(momentum, 0.0));
         let authority = pendulum.authority(time);
         let wanted = (end - pendulum.usual_end(&course)) / authority.at_least(1e-3);
-        let within = Vector2::new(wanted.x.clip(-SOLE[0], SOLE[0]), wanted.y.clip(-SOLE[1], SOLE[1]));
+        let within = Vector2::new(wanted.x.clip(-SOLE, SOLE), wanted.y.clip(-manner.aside, manner.aside));
         let usual = manner.timing.pressure(time + 0.5 * now.hold, places);
         let pressed = match time + now.hold < both {
             true => self.within_both(now, usual + turning::level(wanted, self.heading)),
@@ -358,7 +359,7 @@ impl Gait {
         let (along, from) = (across / length, wanted - now.centre());
         let between = from.dot(&along).clip(-0.5 * length, 0.5 * length);
         let forward = turning::level(Vector2::new(1.0, 0.0), self.heading);
-        let ahead = (from - along * between).dot(&forward).clip(-SOLE[0], SOLE[0]);
+        let ahead = (from - along * between).dot(&forward).clip(-SOLE, SOLE);
         now.centre() + along * between + forward * ahead
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Up to [`SLOW`] it walks in one manner. In that a faster body stumbles: the leg behind ends before its push does, and weight drops on the foot ahead;
 //! that foot is still on its way, and high; it lands too far ahead, and brakes. So with a faster pace knees bend more, heels rise, steps take less time, a foot
-//! begins its way earlier, goes lower and lands shorter, the trunk leans forward, and the momentum of the swing is foreseen (`pendulum`).
+//! begins its way earlier, goes lower and lands shorter, feet are further apart, the trunk leans forward, and the momentum of the swing is foreseen (`pendulum`).
 
 use super::pendulum::Timing;
 use msk_physics::scalar::Real;
@@ -16,10 +16,20 @@ pub(super) struct Manner {
     pub timing: Timing,
     /// How fast it changes its pace, m/s².
     pub quickening: f64,
+    /// How many times as far as its pace feet are to go, which land short of that.
+    pub stride: f64,
     /// By how much it is lower than one that stands, m, so that its knees are bent.
     pub lower: f64,
     /// How far it leans forward, rad.
     pub lean: f64,
+    /// Between the middles of the soles of a body that goes straight on, m.
+    pub width: f64,
+    /// How far to the side of the middle of a sole the centre of pressure may be, m.
+    pub aside: f64,
+    /// How much the foot that bears shall rest: a weight, squared.
+    pub stance: f64,
+    /// How many times as stiff as usual the root, and the joints, are held.
+    pub firmness: [f64; 2],
     /// How far a foot reaches ahead, m.
     pub reach: f64,
     /// How far short of where the pendulum has it a foot lands, m: the foot overshoots, and landing brakes.
@@ -34,6 +44,8 @@ pub(super) struct Manner {
     pub foreseen: f64,
     /// How fast it comes back to its path, 1/s.
     pub returning: f64,
+    /// How a foot on its way is damped, 1/s.
+    pub damping: f64,
     /// How much more the height of a foot on its way counts than its way along the ground.
     pub clearing: f64,
     /// How much the heel of a foot that the body has passed shall rest: its weight, squared.
@@ -46,19 +58,25 @@ impl Manner {
         let haste = (pace - SLOW).clip(0.0, 1.0);
         let of = |slow: f64, more: f64| slow + more * haste;
         Self {
-            timing: Timing { both: of(0.063, -0.0148), single: of(0.39, -0.029) },
-            quickening: of(0.85, 0.519),
-            lower: of(0.046, 0.0496),
-            lean: of(0.054, 0.291),
-            reach: of(0.7, 0.154),
-            short: of(0.0, 0.187),
-            lift: of(0.038, -0.026),
-            early: of(0.0, 0.048),
-            ahead: of(0.0, 0.0227),
-            foreseen: of(0.0, 1.5),
-            returning: of(0.0, 2.23),
-            clearing: of(1.0, 0.94),
-            heel: of(1.26, -1.25),
+            timing: Timing { both: of(0.063, -0.0199), single: of(0.39, -0.0091) },
+            quickening: of(0.85, 0.873),
+            stride: of(1.0, 0.098),
+            lower: of(0.046, 0.0363),
+            lean: of(0.054, 0.231),
+            width: of(0.16, 0.0255),
+            aside: of(0.03, 0.013),
+            stance: of(1.26, -0.271),
+            firmness: [of(1.0, 0.252), of(1.0, -0.167)],
+            reach: of(0.7, 0.245),
+            short: of(0.0, 0.221),
+            lift: of(0.038, -0.036),
+            early: of(0.0, 0.0563),
+            ahead: of(0.0, 0.0149),
+            foreseen: of(0.0, 2.13),
+            returning: of(0.0, 2.84),
+            damping: of(42.0, 8.6),
+            clearing: of(1.0, 0.919),
+            heel: of(1.26, -1.259),
         }
     }
 }
@@ -74,7 +92,7 @@ mod tests {
             prop_assert_eq!(Manner::of(slow), Manner::of(0.0));
             let [before, after] = [pace, pace + 0.01].map(Manner::of);
             prop_assert!((after.lean - before.lean).abs() < 0.005 && (after.lower - before.lower).abs() < 0.001);
-            prop_assert!(after.heel > 0.0 && after.early < after.timing.both && after.reach < 1.0);
+            prop_assert!(after.heel > 0.0 && after.early < after.timing.single && after.reach < 1.0);
         }
     }
 }

@@ -13,9 +13,8 @@ use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
 /// Which share of its time a foot takes to be where it lands; in what is left it seeks the ground, and goes this far below, m.
 const ARRIVED: f64 = 0.914;
 const SEEK: f64 = 0.02;
-/// Points of a foot on its way, and of the one that bears.
-const SWING: Law = Law::critical(440.0, 21.0, 0.98);
-const STANCE: f64 = 1.26;
+/// Stiffness (1/s²) and weight of points of a foot on its way.
+const SWING: (f64, f64) = (440.0, 0.98);
 /// Which share of its way up a foot takes for the whole rise of the ground.
 const SOON: f64 = 0.46;
 /// After this share of its time a foot may bear where it meets the ground.
@@ -52,12 +51,16 @@ pub(in crate::cmc) struct Step {
     /// Of the root, and how it turns, in its own axes, rad/s.
     pub orientation: [f64; 4],
     pub spin: Vector3<f64>,
+    /// How many times as stiff as usual the root, and the joints, are held.
+    pub firmness: [f64; 2],
     /// Of the centre of mass, m, and how fast it rises, m/s.
     pub height: f64,
     pub rise: f64,
     /// Of the centre of mass along the ground, m/s².
     pub acceleration: Vector2<f64>,
     pub(super) swing: Option<Swing>,
+    /// How much the foot that bears shall rest: a weight, squared.
+    pub(super) stance: f64,
     pub(super) roll: Option<Roll>,
 }
 
@@ -82,6 +85,7 @@ pub(super) struct Swing {
     goal: (Vector3<f64>, Matrix3<f64>),
     moving: Vector3<f64>,
     bending: Vector3<f64>,
+    law: Law,
     /// How much more its height counts than its way along the ground.
     clearing: f64,
     /// Whether it may bear where it meets the ground.
@@ -157,6 +161,7 @@ impl Way {
             goal: (next, upright(heading, &self.normal)),
             moving: (later - now) / (2.0 * hold),
             bending: (later - next * 2.0 + now) / (hold * hold),
+            law: Law { stiffness: SWING.0, damping: manner.damping, weight: SWING.1 },
             clearing: manner.clearing,
             bears: bearing || share(time) > LANDS,
         }
@@ -170,7 +175,7 @@ impl Step {
         let Some(swing) = self.swing.as_ref().filter(|swing| swing.keys.contains(&point.key)) else {
             let rolls =
                 |roll: &&Roll| roll.keys.contains(&point.key) && (point.position.xy() - roll.middle).dot(&roll.forward) < 0.0;
-            let weight = self.roll.as_ref().filter(rolls).map_or(STANCE, |roll| roll.heel);
+            let weight = self.roll.as_ref().filter(rolls).map_or(self.stance, |roll| roll.heel);
             return near.then(|| PointWish::at_rest(*point, weight));
         };
         let bearing = if near && swing.bears { Bearing::Ground } else { Bearing::None };
@@ -182,7 +187,7 @@ impl Step {
         let arm = rotation.transpose() * (point.position - middle);
         let mut error = goal + facing * arm - point.position;
         error.z *= swing.clearing;
-        Some(PointWish { point: *point, bearing, law: SWING, error, moving: swing.moving, bending: swing.bending })
+        Some(PointWish { point: *point, bearing, law: swing.law, error, moving: swing.moving, bending: swing.bending })
     }
 }
 
