@@ -10,7 +10,8 @@ use msk_physics::scalar::Real;
 /// The fastest pace of the slow manner, m/s.
 const SLOW: f64 = 1.0;
 
-/// How a body walks forward at a pace. The numbers were found by random searches for what walks furthest, the slow ones also on waves and stairs.
+/// How a body walks forward at a pace. The numbers were found by random searches for what walks furthest, the slow ones also on waves and stairs; the fast
+/// ones, by the evolution strategy CMA-ES (Hansen, The CMA evolution strategy: a tutorial, 2016), for what also lasts in eight episodes of `run`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Manner {
     pub timing: Timing,
@@ -36,7 +37,8 @@ pub(super) struct Manner {
     pub short: f64,
     /// How high a foot is lifted on its way, m.
     pub lift: f64,
-    /// For how long before the other foot bears alone a foot begins its way, s: meanwhile it bears, and its leg gathers way.
+    /// For how long before the other foot bears alone a foot begins its way, s: meanwhile it bears, and its leg gathers way. Where both bear for less than
+    /// that, it is ahead by the rest.
     pub early: f64,
     /// How far ahead of its time a foot is to go its way, s: muscles take tens of milliseconds to follow.
     pub ahead: f64,
