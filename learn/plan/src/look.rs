@@ -99,12 +99,11 @@ impl Look<'_> {
         if !best.asks_for(FASTEST) || targets.fast <= forward || !level {
             return None;
         }
-        let pace = [targets.fast, left, turn];
+        let mut fast = Targets { pace: [targets.fast, left, turn], ..targets.clone() };
         // It loses its balance where its trunk is bent.
-        let fast = match targets.joints.is_empty() {
-            true => Targets { pace, joint_range: 0.0, arm_range: 0.0, ..targets.clone() },
-            false => Targets { pace, ..targets.clone() },
-        };
+        if targets.joints.is_empty() {
+            (fast.joint_range, fast.arm_range) = (0.0, 0.0);
+        }
         let mut choices = self.walking(&fast, &FAST_PACES);
         let worths = Self { steps: FAST_LOOKS * self.steps, ..*self }.worths(&choices, KEPT);
         let much = worths.iter().enumerate().filter(|(_, other)| other.is_more_than(worth, FASTER));

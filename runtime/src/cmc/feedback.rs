@@ -221,7 +221,7 @@ impl Feedback {
     /// neutral one. `offsets` move the targets of joints and root, and the height.
     pub fn walk(&self, view: &View<'_>, body: &Body, (points, step): (&[Point], &Step), offsets: &Offsets, wishes: &mut Wishes) {
         wishes.clear(view.coordinates.len());
-        let [root_times, joint_times] = step.firmness;
+        let [root_times, joint_times] = step.firmness();
         wish_joints(&self.joints, Toward::Walking { firm: joint_times }, view, body, offsets, wishes);
         if let Some(root) = &self.root {
             let orientation = offsets.orientation(body, &step.orientation);

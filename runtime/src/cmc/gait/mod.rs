@@ -208,13 +208,12 @@ impl Gait {
         Some(Step {
             orientation: rotation::from_matrix(&facing),
             spin: facing.transpose() * Vector3::z() * self.walk.turn,
-            firmness: self.manner.firmness,
             height: self.level + self.height,
             rise: self.rise,
             acceleration: (now.com.xy() - pressure) * (now.pendulum.omega * now.pendulum.omega),
             swing,
-            stance: self.manner.stance,
             roll: self.roll(&now),
+            manner: self.manner,
         })
     }
 
@@ -287,8 +286,7 @@ impl Gait {
         let past = (now.com.xy() - now.middle(stance)).dot(&forward) > PAST;
         let begins = time < self.manner.timing.both;
         let foot = if begins { 1 - stance } else { stance };
-        let heel = self.manner.heel;
-        (begins || past).then(|| Roll { keys: self.feet[foot].keys.clone(), middle: now.middle(foot), forward, heel })
+        (begins || past).then(|| Roll { keys: self.feet[foot].keys.clone(), middle: now.middle(foot), forward })
     }
 
     /// How far the capture point is from the middle of a sole towards the other, m.

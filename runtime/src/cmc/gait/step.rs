@@ -14,7 +14,8 @@ use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
 const ARRIVED: f64 = 0.914;
 const SEEK: f64 = 0.02;
 /// Stiffness (1/s²) and weight of points of a foot on its way.
-const SWING: (f64, f64) = (440.0, 0.98);
+const SWING_STIFFNESS: f64 = 440.0;
+const SWING_WEIGHT: f64 = 0.98;
 /// Which share of its way up a foot takes for the whole rise of the ground.
 const SOON: f64 = 0.46;
 /// After this share of its time a foot may bear where it meets the ground.
@@ -51,17 +52,14 @@ pub(in crate::cmc) struct Step {
     /// Of the root, and how it turns, in its own axes, rad/s.
     pub orientation: [f64; 4],
     pub spin: Vector3<f64>,
-    /// How many times as stiff as usual the root, and the joints, are held.
-    pub firmness: [f64; 2],
     /// Of the centre of mass, m, and how fast it rises, m/s.
     pub height: f64,
     pub rise: f64,
     /// Of the centre of mass along the ground, m/s².
     pub acceleration: Vector2<f64>,
     pub(super) swing: Option<Swing>,
-    /// How much the foot that bears shall rest: a weight, squared.
-    pub(super) stance: f64,
     pub(super) roll: Option<Roll>,
+    pub(super) manner: Manner,
 }
 
 /// A foot that bears and that the body has passed: its heel may rise.
@@ -71,8 +69,6 @@ pub(super) struct Roll {
     /// The middle of its sole, m, and where it points.
     pub middle: Vector2<f64>,
     pub forward: Vector2<f64>,
-    /// How much its heel shall rest: a weight, squared.
-    pub heel: f64,
 }
 
 /// The way of a foot in one hold.
@@ -85,9 +81,6 @@ pub(super) struct Swing {
     goal: (Vector3<f64>, Matrix3<f64>),
     moving: Vector3<f64>,
     bending: Vector3<f64>,
-    law: Law,
-    /// How much more its height counts than its way along the ground.
-    clearing: f64,
     /// Whether it may bear where it meets the ground.
     bears: bool,
 }
@@ -161,21 +154,24 @@ impl Way {
             goal: (next, upright(heading, &self.normal)),
             moving: (later - now) / (2.0 * hold),
             bending: (later - next * 2.0 + now) / (hold * hold),
-            law: Law { stiffness: SWING.0, damping: manner.damping, weight: SWING.1 },
-            clearing: manner.clearing,
             bears: bearing || share(time) > LANDS,
         }
     }
 }
 
 impl Step {
+    /// How many times as stiff as usual the root, and the joints, are held.
+    pub fn firmness(&self) -> [f64; 2] {
+        self.manner.firmness
+    }
+
     /// What is wished for of a point of a foot, if anything is.
     pub fn wish(&self, point: &Point) -> Option<PointWish> {
         let near = point.height < CONTACT_HEIGHT;
         let Some(swing) = self.swing.as_ref().filter(|swing| swing.keys.contains(&point.key)) else {
             let rolls =
                 |roll: &&Roll| roll.keys.contains(&point.key) && (point.position.xy() - roll.middle).dot(&roll.forward) < 0.0;
-            let weight = self.roll.as_ref().filter(rolls).map_or(self.stance, |roll| roll.heel);
+            let weight = self.roll.as_ref().filter(rolls).map_or(self.manner.stance, |_| self.manner.heel);
             return near.then(|| PointWish::at_rest(*point, weight));
         };
         let bearing = if near && swing.bears { Bearing::Ground } else { Bearing::None };
@@ -186,8 +182,9 @@ impl Step {
         let ((middle, rotation), (goal, facing)) = (swing.present, swing.goal);
         let arm = rotation.transpose() * (point.position - middle);
         let mut error = goal + facing * arm - point.position;
-        error.z *= swing.clearing;
-        Some(PointWish { point: *point, bearing, law: swing.law, error, moving: swing.moving, bending: swing.bending })
+        error.z *= self.manner.clearing;
+        let law = Law { stiffness: SWING_STIFFNESS, damping: self.manner.damping, weight: SWING_WEIGHT };
+        Some(PointWish { point: *point, bearing, law, error, moving: swing.moving, bending: swing.bending })
     }
 }
 
