@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             adam.step(1e-4, parameters.values_mut(), &gradient);
         };
         (0..3).for_each(|_| step());
-        let count = (8192 / batch).clamp(4, 100);
+        let count = (65_536 / batch).clamp(16, 800);
         let best = (0..count)
             .map(|_| {
                 let begin = Instant::now();
@@ -55,7 +55,7 @@ fn product(kernel: &dyn Kernel) {
     let mut out = vec![0.0; size * size];
     let time = |work: &mut dyn FnMut()| {
         work();
-        (0..10)
+        (0..200)
             .map(|_| {
                 let begin = Instant::now();
                 work();

@@ -3,8 +3,10 @@
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use std::cell::RefCell;
 use std::fmt::Debug;
 use std::num::NonZeroUsize;
+use std::ops::Range;
 
 /// A view of numbers as a matrix: element (i, j) is number i * `strides[0]` + j * `strides[1]`, one of which is 1.
 #[derive(Debug, Clone, Copy)]
@@ -47,6 +49,8 @@ pub trait Kernel: Debug + Send + Sync {
 #[derive(Debug)]
 pub struct Processor {
     arch: Arch,
+    /// Numbers of a register.
+    lanes: usize,
     /// None for the thread of the caller.
     pool: Option<ThreadPool>,
 }
@@ -58,12 +62,52 @@ impl Processor {
     /// The operating system gives no threads.
     pub fn new(threads: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
         let pool = (threads.get() > 1).then(|| ThreadPoolBuilder::new().num_threads(threads.get()).build()).transpose()?;
-        Ok(Self { arch: Arch::new(), pool })
+        let arch = Arch::new();
+        Ok(Self { arch, lanes: arch.dispatch(Lanes), pool })
     }
 
     /// With one thread and the registers that every processor has: for tests.
     pub fn narrow() -> Self {
-        Self { arch: Arch::Scalar, pool: None }
+        Self { arch: Arch::Scalar, lanes: Arch::Scalar.dispatch(Lanes), pool: None }
+    }
+
+    /// The rows of a product from `first` on, as many as `out` has.
+    fn rows(&self, a: Matrix<'_>, b: Matrix<'_>, first: usize, out: &mut [f32]) {
+        PACKED.with_borrow_mut(|[left, right]| {
+            let (width, columns) = (REGISTERS * self.lanes, b.columns);
+            for from in (0..a.columns).step_by(DEPTH) {
+                let depth = DEPTH.min(a.columns - from);
+                for block in (0..columns).step_by(COLUMNS) {
+                    let within = block..columns.min(block + COLUMNS);
+                    let panels = aligned(right, depth * within.len().next_multiple_of(width));
+                    for (panel, column) in panels.chunks_exact_mut(depth * width).zip(within.clone().step_by(width)) {
+                        pack_right(b, from, column..within.end.min(column + width), width, panel);
+                    }
+                    for (index, out) in out.chunks_mut(ROWS * columns).enumerate() {
+                        let left = aligned(left, depth * ROWS);
+                        pack_left(a, first + index * ROWS, out.len() / columns, from, left);
+                        for (panel, column) in panels.chunks_exact(depth * width).zip(within.clone().step_by(width)) {
+                            self.tile(left, panel, out, columns, column..within.end.min(column + width));
+                        }
+                    }
+                }
+            }
+        });
+    }
+
+    /// Adds the product of packed factors to some columns of at most [`ROWS`] rows of `out`.
+    fn tile(&self, left: &[f32], right: &[f32], out: &mut [f32], columns: usize, within: Range<usize>) {
+        if within.len() == REGISTERS * self.lanes && out.len() == ROWS * columns {
+            return self.arch.dispatch(Tile { left, right, out: &mut out[within.start..], stride: columns });
+        }
+        let mut whole = [[0.0; REGISTERS * LINE]; ROWS];
+        for (whole, row) in whole.iter_mut().zip(out.chunks(columns)) {
+            whole[..within.len()].copy_from_slice(&row[within.clone()]);
+        }
+        self.arch.dispatch(Tile { left, right, out: whole.as_flattened_mut(), stride: REGISTERS * LINE });
+        for (whole, row) in whole.iter().zip(out.chunks_mut(columns)) {
+            row[within.clone()].copy_from_slice(&whole[..within.len()]);
+        }
     }
 }
 
@@ -80,12 +124,10 @@ impl Kernel for Processor {
         match &self.pool {
             Some(pool) if a.rows * a.columns * b.columns > FEW => {
                 let share = a.rows.div_ceil(pool.current_num_threads()).next_multiple_of(ROWS);
-                let part = |(index, out): (usize, &mut [f32])| {
-                    self.arch.dispatch(Product { a, b, first: index * share, out });
-                };
+                let part = |(index, out): (usize, &mut [f32])| self.rows(a, b, index * share, out);
                 pool.install(|| out.par_chunks_mut(share * b.columns).enumerate().for_each(part));
             }
-            _ => self.arch.dispatch(Product { a, b, first: 0, out }),
+            _ => self.rows(a, b, 0, out),
         }
     }
 }
@@ -94,86 +136,109 @@ impl Kernel for Processor {
 const ROWS: usize = 6;
 /// Registers of a row of a tile.
 const REGISTERS: usize = 2;
-/// Numbers of the widest register.
-const WIDEST: usize = 16;
 /// Products that are added before the tile goes back to memory.
 const DEPTH: usize = 256;
-/// Tiles for which factors are copied together: 16 of them are 96 rows.
-const TILES: usize = 16;
+/// Columns of the second factor that are packed together, for all rows of the first.
+const COLUMNS: usize = 512;
+/// Numbers of a cache line, and of the widest register.
+const LINE: usize = 16;
 
-/// The rows of a product from `first` on, as many as `out` has.
-struct Product<'a> {
-    a: Matrix<'a>,
-    b: Matrix<'a>,
-    first: usize,
-    out: &'a mut [f32],
+thread_local! {
+    /// Parts of both factors, packed in the order in which tiles read them; the buffers stay with their thread.
+    static PACKED: RefCell<[Vec<f32>; 2]> = const { RefCell::new([Vec::new(), Vec::new()]) };
 }
 
-impl WithSimd for Product<'_> {
+/// How many numbers a register has.
+struct Lanes;
+
+impl WithSimd for Lanes {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        S::F32_LANES
+    }
+}
+
+/// Adds the product of packed factors to a tile, whose rows begin `stride` apart in `out`.
+struct Tile<'a> {
+    left: &'a [f32],
+    right: &'a [f32],
+    out: &'a mut [f32],
+    stride: usize,
+}
+
+impl WithSimd for Tile<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { a, b, first, out } = self;
-        let (width, columns) = (REGISTERS * S::F32_LANES, b.columns);
-        // Copies in the order in which tiles read them.
-        let mut left = [[[0.0_f32; ROWS]; DEPTH]; TILES];
-        let mut right = [[0.0_f32; REGISTERS * WIDEST]; DEPTH];
-        for (block, out) in out.chunks_mut(TILES * ROWS * columns).enumerate() {
-            let top = first + block * TILES * ROWS;
-            for from in (0..a.columns).step_by(DEPTH) {
-                let depth = DEPTH.min(a.columns - from);
-                copy_left(a, [top, out.len() / columns], [from, depth], &mut left);
-                for column in (0..columns).step_by(width) {
-                    let wide = width.min(columns - column);
-                    let right: &mut [f32] = &mut right.as_flattened_mut()[..depth * width];
-                    copy_right(b, from, column, wide, width, right);
-                    let right: &[[S::f32s; REGISTERS]] = bytemuck::cast_slice(right);
-                    for (left, out) in left.iter().zip(out.chunks_mut(ROWS * columns)) {
-                        tile(simd, &left[..depth], right, out, columns, column, wide);
-                    }
+        let Self { left, right, out, stride } = self;
+        let (left, _) = left.as_chunks::<ROWS>();
+        let right: &[[S::f32s; REGISTERS]] = bytemuck::cast_slice(right);
+        let mut sums = [[simd.splat_f32s(0.0); REGISTERS]; ROWS];
+        for (row, sums) in sums.iter_mut().enumerate() {
+            sums.copy_from_slice(bytemuck::cast_slice(&out[row * stride..][..REGISTERS * S::F32_LANES]));
+        }
+        for (left, right) in left.iter().zip(right) {
+            for (sums, left) in sums.iter_mut().zip(left) {
+                let left = simd.splat_f32s(*left);
+                for (sum, right) in sums.iter_mut().zip(right) {
+                    *sum = simd.mul_add_f32s(left, *right, *sum);
                 }
             }
+        }
+        for (row, sums) in sums.iter().enumerate() {
+            out[row * stride..][..REGISTERS * S::F32_LANES].copy_from_slice(bytemuck::cast_slice(sums));
         }
     }
 }
 
-/// Copies `rows` rows from row `top` on, `depth` columns from `from` on: tile after tile, column after column. What lacks to the last tile
-/// stays as it is: it is not used.
-#[inline(always)]
-fn copy_left(a: Matrix<'_>, [top, rows]: [usize; 2], [from, depth]: [usize; 2], left: &mut [[[f32; ROWS]; DEPTH]]) {
+/// So many numbers of a buffer, from the beginning of a cache line on: no load of a register touches two lines.
+fn aligned(buffer: &mut Vec<f32>, count: usize) -> &mut [f32] {
+    if buffer.len() < count + LINE {
+        buffer.resize(count + LINE, 0.0);
+    }
+    let begin = buffer.as_ptr().align_offset(LINE * size_of::<f32>()).min(LINE);
+    &mut buffer[begin..begin + count]
+}
+
+/// Packs `rows` rows from row `top` on, columns from `from` on: column after column. What lacks to a tile is not used.
+fn pack_left(a: Matrix<'_>, top: usize, rows: usize, from: usize, left: &mut [f32]) {
     let [row_stride, column_stride] = a.strides;
-    let begin = top * row_stride + from * column_stride;
+    let values = &a.values[top * row_stride + from * column_stride..];
+    let (left, _) = left.as_chunks_mut::<ROWS>();
     if row_stride == 1 {
-        for column in 0..depth {
-            let values = &a.values[begin + column * column_stride..][..rows];
-            for (left, values) in left.iter_mut().zip(values.chunks(ROWS)) {
-                match <&[f32; ROWS]>::try_from(values) {
-                    Ok(whole) => left[column] = *whole,
-                    Err(_) => left[column][..values.len()].copy_from_slice(values),
-                }
+        for (column, left) in left.iter_mut().enumerate() {
+            let values = &values[column * column_stride..][..rows];
+            match <&[f32; ROWS]>::try_from(values) {
+                Ok(whole) => *left = *whole,
+                Err(_) => left[..rows].copy_from_slice(values),
             }
         }
         return;
     }
-    for row in 0..rows {
-        let left = &mut left[row / ROWS][..depth];
-        for (left, value) in left.iter_mut().zip(&a.values[begin + row * row_stride..]) {
-            left[row % ROWS] = *value;
+    // Rows that lack are copies of the first.
+    let depth = left.len();
+    let mut parts = [&values[..depth]; ROWS];
+    for (row, part) in parts.iter_mut().enumerate().take(rows) {
+        *part = &values[row * row_stride..][..depth];
+    }
+    for (column, left) in left.iter_mut().enumerate() {
+        for (left, part) in left.iter_mut().zip(&parts) {
+            *left = part[column];
         }
     }
 }
 
-/// Copies rows from `from` on, as many as `right` takes, of `wide` columns from `column` on; what lacks to `width` is 0.
-#[inline(always)]
-fn copy_right(b: Matrix<'_>, from: usize, column: usize, wide: usize, width: usize, right: &mut [f32]) {
-    /// Numbers of a line of the cache.
-    const LINE: usize = 16;
+/// Packs some columns of the rows from `from` on, as many as `right` takes; what lacks to `width` columns is 0.
+fn pack_right(b: Matrix<'_>, from: usize, columns: Range<usize>, width: usize, right: &mut [f32]) {
     let [row_stride, column_stride] = b.strides;
+    let values = &b.values[from * row_stride + columns.start * column_stride..];
+    let wide = columns.len();
     if column_stride == 1 {
         for (row, right) in right.chunks_exact_mut(width).enumerate() {
-            let begin = (from + row) * row_stride + column;
-            right[..wide].copy_from_slice(&b.values[begin..begin + wide]);
+            right[..wide].copy_from_slice(&values[row * row_stride..][..wide]);
             right[wide..].fill(0.0);
         }
         return;
@@ -183,46 +248,11 @@ fn copy_right(b: Matrix<'_>, from: usize, column: usize, wide: usize, width: usi
     }
     // A transposition, in blocks that stay in the cache.
     for (block, right) in right.chunks_mut(LINE * width).enumerate() {
-        let begin = from + block * LINE + column * column_stride;
         for place in 0..wide {
-            let values = &b.values[begin + place * column_stride..];
+            let values = &values[block * LINE + place * column_stride..];
             for (right, value) in right.chunks_exact_mut(width).zip(values) {
                 right[place] = *value;
             }
-        }
-    }
-}
-
-/// Adds the product of copied factors to a tile of `out`, whose rows begin at `column` and are `wide`.
-#[inline(always)]
-fn tile<S: Simd>(
-    simd: S,
-    left: &[[f32; ROWS]],
-    right: &[[S::f32s; REGISTERS]],
-    out: &mut [f32],
-    columns: usize,
-    column: usize,
-    wide: usize,
-) {
-    let mut sums = [[simd.splat_f32s(0.0); REGISTERS]; ROWS];
-    let lanes = S::F32_LANES;
-    let part = |register: usize| (register * lanes).min(wide)..((register + 1) * lanes).min(wide);
-    for (sums, row) in sums.iter_mut().zip(out.chunks(columns)) {
-        for (register, sum) in sums.iter_mut().enumerate() {
-            *sum = simd.partial_load_f32s(&row[column..column + wide][part(register)]);
-        }
-    }
-    for (left, right) in left.iter().zip(right) {
-        for (sums, left) in sums.iter_mut().zip(left) {
-            let left = simd.splat_f32s(*left);
-            for (sum, right) in sums.iter_mut().zip(right) {
-                *sum = simd.mul_add_f32s(left, *right, *sum);
-            }
-        }
-    }
-    for (sums, row) in sums.iter().zip(out.chunks_mut(columns)) {
-        for (register, sum) in sums.iter().enumerate() {
-            simd.partial_store_f32s(&mut row[column..column + wide][part(register)], *sum);
         }
     }
 }

@@ -131,6 +131,7 @@ pub struct Tape {
     kernel: Arc<dyn Kernel>,
     arch: Arch,
     nodes: Vec<Node>,
+    /// Of all nodes, one after the other, and behind them room that an earlier batch had.
     values: Vec<f32>,
     /// Of the last [`backward`](Self::backward), in the places of the values.
     slopes: Vec<f32>,
@@ -146,7 +147,6 @@ impl Tape {
     /// Forgets all variables, and keeps their memory. Parameters are trained again.
     pub fn clear(&mut self) {
         self.nodes.clear();
-        self.values.clear();
         self.trains = true;
     }
 
@@ -160,10 +160,14 @@ impl Tape {
         &self.values[self.nodes[variable.0].range()]
     }
 
-    /// The derivatives of the last [`backward`](Self::backward) with respect to the elements of a variable: those of variables that do
-    /// not depend on parameters, and are not [watched](Self::watched), are 0.
+    /// The derivatives of the last [`backward`](Self::backward) with respect to the elements of a variable, which stood on the tape then.
+    ///
+    /// # Panics
+    /// If it does not depend on parameters that are trained, and is not [watched](Self::watched).
     pub fn slopes(&self, variable: Variable) -> &[f32] {
-        &self.slopes[self.nodes[variable.0].range()]
+        let node = &self.nodes[variable.0];
+        assert!(node.depends, "a variable that is differentiated");
+        &self.slopes[node.range()]
     }
 
     /// Rows and columns of a variable.
@@ -172,9 +176,13 @@ impl Tape {
         [rows, columns]
     }
 
+    /// A variable whose values are still those of an earlier batch.
     fn push(&mut self, operation: Operation, [rows, columns]: [usize; 2], depends: bool) -> Variable {
-        let begin = self.values.len();
-        self.values.resize(begin + rows * columns, 0.0);
+        let begin = self.nodes.last().map_or(0, |last| last.range().end);
+        let end = begin + rows * columns;
+        if self.values.len() < end {
+            self.values.resize(end, 0.0);
+        }
         self.nodes.push(Node { operation, rows, columns, begin, depends });
         Variable(self.nodes.len() - 1)
     }
@@ -184,11 +192,16 @@ impl Tape {
     /// # Panics
     /// If there are not rows times columns of them.
     pub fn constant(&mut self, rows: usize, columns: usize, values: impl IntoIterator<Item = f32>) -> Variable {
-        let begin = self.values.len();
-        self.values.extend(values);
-        assert_eq!(self.values.len() - begin, rows * columns, "a matrix of {rows} x {columns}");
-        self.nodes.push(Node { operation: Operation::Constant, rows, columns, begin, depends: false });
-        Variable(self.nodes.len() - 1)
+        let variable = self.push(Operation::Constant, [rows, columns], false);
+        let range = self.nodes[variable.0].range();
+        let mut values = values.into_iter();
+        let mut filled = 0;
+        for (place, value) in self.values[range].iter_mut().zip(&mut values) {
+            *place = value;
+            filled += 1;
+        }
+        assert!(filled == rows * columns && values.next().is_none(), "a matrix of {rows} x {columns}");
+        variable
     }
 
     /// The same, with derivatives.
@@ -203,12 +216,10 @@ impl Tape {
 
     /// The values of a variable without what they were computed from.
     pub fn detached(&mut self, x: Variable) -> Variable {
-        let range = self.nodes[x.0].range();
-        let [rows, columns] = self.size(x);
-        let begin = self.values.len();
-        self.values.extend_from_within(range);
-        self.nodes.push(Node { operation: Operation::Constant, rows, columns, begin, depends: false });
-        Variable(self.nodes.len() - 1)
+        let variable = self.push(Operation::Constant, self.size(x), false);
+        let (input, out) = self.unary(x, variable);
+        out.copy_from_slice(input);
+        variable
     }
 
     /// Parameters as a row, repeated for each of `rows` samples.
@@ -399,9 +410,9 @@ impl Tape {
 
     /// The values of an earlier variable, and room for those of the last one.
     fn unary(&mut self, x: Variable, out: Variable) -> (&[f32], &mut [f32]) {
-        let (from, begin) = (self.nodes[x.0].range(), self.nodes[out.0].begin);
-        let (before, out) = self.values.split_at_mut(begin);
-        (&before[from], out)
+        let (from, out) = (self.nodes[x.0].range(), self.nodes[out.0].range());
+        let (before, rest) = self.values.split_at_mut(out.start);
+        (&before[from], &mut rest[..out.len()])
     }
 
     fn map(&mut self, x: Variable, operation: Operation, function: impl Fn(f32) -> f32) -> Variable {
@@ -421,9 +432,10 @@ impl Tape {
         let (depends, arch) = (self.nodes[left.0].depends || self.nodes[right.0].depends, self.arch);
         let variable = self.push(operation, size, depends);
         let ranges = [left, right].map(|side| self.nodes[side.0].range());
-        let begin = self.nodes[variable.0].begin;
-        let (before, out) = self.values.split_at_mut(begin);
+        let out = self.nodes[variable.0].range();
+        let (before, rest) = self.values.split_at_mut(out.start);
         let [left, right] = ranges.map(|range| &before[range]);
+        let out = &mut rest[..out.len()];
         arch.dispatch(
             #[inline(always)]
             || out.iter_mut().zip(left).zip(right).for_each(|((out, a), b)| *out = function(*a, *b)),

@@ -46,7 +46,7 @@ fn compare([rows, depth, columns]: [usize; 3], salt: usize) {
 
 #[test]
 fn large_products_have_the_bits_of_a_plain_loop_on_any_number_of_threads() {
-    for shape in [[200, 300, 70], [97, 513, 33], [1, 1000, 300], [700, 1, 400]] {
+    for shape in [[200, 300, 70], [97, 513, 33], [1, 1000, 300], [700, 1, 400], [14, 260, 1050]] {
         compare(shape, 3);
     }
 }

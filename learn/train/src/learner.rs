@@ -16,6 +16,7 @@ pub type Losses = Vec<(&'static str, f64)>;
 pub(crate) struct Networks {
     pub parameters: Parameters,
     pub tape: Tape,
+    /// Of the last loss, in the range of its optimiser.
     gradient: Vec<f32>,
 }
 
@@ -82,10 +83,10 @@ impl Networks {
             let layer = self.parameters.first_invalid(self.parameters.values()).map(|tensor| tensor.name.clone());
             return Err(TrainError::NotFinite { step, what, layer });
         }
-        self.gradient.clear();
-        self.gradient.resize(self.parameters.len(), 0.0);
-        self.tape.backward(loss, &self.parameters, &mut self.gradient);
         let own = optimizer.range.clone();
+        self.gradient.resize(self.parameters.len(), 0.0);
+        self.gradient[own.clone()].fill(0.0);
+        self.tape.backward(loss, &self.parameters, &mut self.gradient);
         let norm = msk_network::clip_norm(&mut self.gradient[own.clone()], optimizer.largest);
         if !norm.is_finite() {
             let layer = self.parameters.first_invalid(&self.gradient).map(|tensor| tensor.name.clone());

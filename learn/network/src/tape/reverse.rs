@@ -16,8 +16,12 @@ impl Tape {
     pub fn backward(&mut self, loss: Variable, parameters: &Parameters, gradient: &mut [f32]) {
         assert_eq!(self.size(loss), [1, 1], "a loss is one number");
         assert_eq!(gradient.len(), parameters.len(), "one derivative per parameter");
-        self.slopes.clear();
-        self.slopes.resize(self.values.len(), 0.0);
+        if self.slopes.len() < self.values.len() {
+            self.slopes.resize(self.values.len(), 0.0);
+        }
+        for node in self.nodes.iter().filter(|node| node.depends) {
+            self.slopes[node.range()].fill(0.0);
+        }
         self.slopes[self.nodes[loss.0].begin] = 1.0;
         for index in (0..=loss.0).rev().filter(|index| self.nodes[*index].depends) {
             let node = &self.nodes[index];
