@@ -10,17 +10,13 @@ successes in each family and in all.
 """
 import csv
 import json
+import re
 import sys
 from collections import Counter
 from pathlib import Path
 
-TASKS = {
-    "stabilization": ["stand", "powerlift", "single_leg_stand", "sit", "balance", "squat"],
-    "locomotion": ["walk", "crawl", "run", "jump", "walk_turn", "sidestep"],
-    "interaction": [
-        "stairs", "hurdle", "step_stones", "slide", "open_door", "reach", "walk_and_sit", "chin_up", "catch", "pole_walk",
-    ],
-}
+# Family and name of each task, in the order of the suite.
+SUITE = re.findall(r'^use "tasks/(\w+)/(\w+)\.msk"', (Path(__file__).parents[2] / "tasks.msk").read_text(), re.MULTILINE)
 COLUMNS = ["task", "episode", "success", "steps", "ended_by", "return"]
 
 
@@ -42,23 +38,23 @@ def mean(found, column):
 
 
 def main(paths):
-    place = {task: index for index, task in enumerate(task for family in TASKS.values() for task in family)}
+    place = {task: index for index, (_, task) in enumerate(SUITE)}
     episodes = {(place[row["task"]], int(row["episode"])): row for path in paths for row in rows(Path(path))}
     episodes = [episodes[key] for key in sorted(episodes)]
     out = csv.DictWriter(sys.stdout, COLUMNS, lineterminator="\n")
     out.writeheader()
     out.writerows(episodes)
-    for family, tasks in TASKS.items():
-        for task in tasks:
-            found = [row for row in episodes if row["task"] == task]
-            if not found:
-                continue
-            ends = ", ".join(f"{end} {count}" for end, count in Counter(row["ended_by"] for row in found).most_common())
-            print(
-                f"| `{task}` | {sum(int(row['success']) for row in found)} of {len(found)} | {mean(found, 'return'):.4g}"
-                f" | {mean(found, 'steps'):.0f} | {ends} |", file=sys.stderr,
-            )
-    for family, tasks in [*TASKS.items(), ("all", place)]:
+    for task in place:
+        found = [row for row in episodes if row["task"] == task]
+        if not found:
+            continue
+        ends = ", ".join(f"{end} {count}" for end, count in Counter(row["ended_by"] for row in found).most_common())
+        print(
+            f"| `{task}` | {sum(int(row['success']) for row in found)} of {len(found)} | {mean(found, 'return'):.4g}"
+            f" | {mean(found, 'steps'):.0f} | {ends} |", file=sys.stderr,
+        )
+    for family in [*dict.fromkeys(family for family, _ in SUITE), "all"]:
+        tasks = {task for own, task in SUITE if family in (own, "all")}
         found = [row for row in episodes if row["task"] in tasks]
         if found:
             share = 100 * mean(found, "success")

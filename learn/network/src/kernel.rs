@@ -78,16 +78,17 @@ impl Processor {
             for from in (0..a.columns).step_by(DEPTH) {
                 let depth = DEPTH.min(a.columns - from);
                 for block in (0..columns).step_by(COLUMNS) {
-                    let within = block..columns.min(block + COLUMNS);
-                    let panels = aligned(right, depth * within.len().next_multiple_of(width));
-                    for (panel, column) in panels.chunks_exact_mut(depth * width).zip(within.clone().step_by(width)) {
-                        pack_right(b, from, column..within.end.min(column + width), width, panel);
+                    let end = columns.min(block + COLUMNS);
+                    let strips = || (block..end).step_by(width).map(|column| column..end.min(column + width));
+                    let panels = aligned(right, depth * width * strips().len());
+                    for (panel, strip) in panels.chunks_exact_mut(depth * width).zip(strips()) {
+                        pack_right(b, from, strip, width, panel);
                     }
                     for (index, out) in out.chunks_mut(ROWS * columns).enumerate() {
                         let left = aligned(left, depth * ROWS);
                         pack_left(a, first + index * ROWS, out.len() / columns, from, left);
-                        for (panel, column) in panels.chunks_exact(depth * width).zip(within.clone().step_by(width)) {
-                            self.tile(left, panel, out, columns, column..within.end.min(column + width));
+                        for (panel, strip) in panels.chunks_exact(depth * width).zip(strips()) {
+                            self.tile(left, panel, out, columns, strip);
                         }
                     }
                 }
@@ -194,7 +195,7 @@ impl WithSimd for Tile<'_> {
     }
 }
 
-/// So many numbers of a buffer, from the beginning of a cache line on: no load of a register touches two lines.
+/// A slice of `count` numbers of a buffer that is aligned to cache lines, so that no load of a register touches two of them.
 fn aligned(buffer: &mut Vec<f32>, count: usize) -> &mut [f32] {
     if buffer.len() < count + LINE {
         buffer.resize(count + LINE, 0.0);
