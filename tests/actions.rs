@@ -128,6 +128,53 @@ fn offsets_of_zero_are_computed_muscle_control_itself() {
 }
 
 #[test]
+fn entries_of_a_pace_are_the_policy_of_that_gait() {
+    let mut plain = episode(&[]);
+    plain.reset(KEY);
+    play(&mut plain, "gait 0.8 0 -0.5", 10);
+    let mut environment = acting("act cmc { pace [1.6 m/s, 20 cm/s, 1 rad/s] }");
+    assert_eq!(environment.task().action.names(&environment.task().vocabulary), ["walk.forward", "walk.left", "walk.turn"]);
+    for _ in 0..10 {
+        environment.step(&[0.5, 0.0, -0.5]).unwrap();
+    }
+    assert_eq!(environment.state(), plain.state());
+}
+
+#[test]
+fn along_the_demonstration_zero_is_the_policy_of_that_name() {
+    let shown = ("success survived", "success survived\n test \"down\" { at 1 s { knee_angle_{l,r} = 30 deg } expect success }");
+    let mut plain = episode(&[shown]);
+    plain.reset(KEY);
+    play(&mut plain, "demonstration", 10);
+    let mut environment = acting_and("act cmc { along demonstration, joints knees, range 20 deg }", &[shown]);
+    for _ in 0..10 {
+        environment.step(&[0.0, 0.0]).unwrap();
+    }
+    assert_eq!(environment.state(), plain.state());
+}
+
+#[test]
+fn hands_reach_where_entries_have_them() {
+    let mut environment = acting_and("act cmc { reach 30 cm }", &STILL);
+    let palm = |environment: &Environment| {
+        let context = environment.context();
+        let (body, kinematics) = (context.body, &context.workspace.kinematics);
+        let palm = body.landmarks.iter().position(|landmark| landmark.name == "palm_r").unwrap();
+        body.landmark_position(kinematics, palm) - kinematics.body_position[body.root.body]
+    };
+    let names = environment.task().action.names(&environment.task().vocabulary);
+    let of = |name: &str| names.iter().position(|own| own == name).unwrap();
+    let mut action = vec![0.0; names.len()];
+    action[of("palm_r.forward")] = 1.0;
+    let before = palm(&environment);
+    for _ in 0..60 {
+        environment.step(&action).unwrap();
+    }
+    let way = palm(&environment) - before;
+    assert!(way.x > 0.15 && way.y.abs() < 0.1 && way.z.abs() < 0.1, "{way}");
+}
+
+#[test]
 fn policies_that_act_on_muscles_do_so_in_every_action_space() {
     let mut plain = episode(&[]);
     plain.reset(KEY);
@@ -232,6 +279,7 @@ fn an_episode_continues_from_a_snapshot_in_every_action_space() {
         "act synergies { of [calves], sides, residual cmc, latency 1 steps }",
         "act torque { joints [knees], range 50 N*m, filter 20 ms }",
         "act cmc { joints [knees], range 0.5 rad, com 10 cm, filter 20 ms }",
+        "act cmc { pace [1 m/s, 20 cm/s, 0.5 rad/s], reach 60 cm, filter 20 ms }",
     ] {
         let mut environment = acting(act);
         play(&mut environment, "random", 4);
@@ -268,9 +316,11 @@ fn an_entry_that_is_no_number_is_a_fault_with_its_name() {
 
 #[test]
 fn a_demonstration_that_no_test_shows_is_a_fault() {
-    let environment = acting("act muscles { residual demonstration }");
-    let Some(Ending::Fault(fault)) = environment.ending() else { panic!("{:?}", environment.ending()) };
-    assert!(fault.to_string().contains("no test of `balance` plays a script up to `expect success`"), "{fault}");
+    for act in ["act muscles { residual demonstration }", "act cmc { along demonstration, com 10 cm }"] {
+        let environment = acting(act);
+        let Some(Ending::Fault(fault)) = environment.ending() else { panic!("{:?}", environment.ending()) };
+        assert!(fault.to_string().contains("no test of `balance` plays a script up to `expect success`"), "{fault}");
+    }
 }
 
 #[test]

@@ -77,6 +77,16 @@ fn a_planner_walks_where_that_earns_most() {
 }
 
 #[test]
+fn a_planner_walks_in_the_own_space_of_a_task_that_has_a_pace() {
+    let pace = ("control 100 Hz", "control 100 Hz\n    act cmc { pace [1 m/s, 20 cm/s, 0.5 rad/s] }");
+    let low = ("early when step > 100", "low when pelvis.height < 0.7 m");
+    let mut environment = rewarded("1 onward = clip(com.velocity.x / 1 m/s, 0, 1)", &[pace, low]);
+    planned(&mut environment, &Settings { replan: 25, ..quick() }, 150);
+    let earned = environment.episode().total();
+    assert!(environment.ending().is_none() && earned > 30.0, "{earned} of 150 at 1 m/s: {:?}", environment.ending());
+}
+
+#[test]
 fn a_planner_stops_walking_where_the_demonstration_earns_more() {
     let parts = [
         ("horizon 200 steps", "horizon 300 steps"),

@@ -38,7 +38,7 @@ pub enum ActionTarget {
         /// The torque of an entry of 1 on each of them, N m.
         ranges: Vec<f64>,
     },
-    /// Offsets of what computed muscle control tracks: the reference motion of the task, or the pose of its initial state.
+    /// Offsets of what computed muscle control tracks.
     MuscleControl(TrackingOffsets),
 }
 
@@ -63,16 +63,27 @@ pub struct TrackingOffsets {
     pub center_of_mass: f64,
     /// By how much the target of the root's orientation is turned, about each of its axes forward, left and up, rad; 0 if it is not.
     pub root: f64,
-    /// Hands that reach: landmarks of the body's group `hands`. The language has no word for it; planners use it.
+    /// Hands that reach: landmarks of the body's group `hands`.
     pub hands: Vec<usize>,
     /// How far from where they are when an episode begins, along each of forward, left and up of the root's heading, m.
     pub reach: f64,
     /// The natural logarithm of the factor by which balance, and feet at rest, count more or less against the joints; 0 if they do as
     /// ever. The language has no word for it; planners use it.
     pub priorities: f64,
-    /// How fast the body walks forward and to its left, m/s, and turns to the left, rad/s. All 0 where it stays or follows something, else the
-    /// controller is a gait, which steps wherever balance needs it. The language has no word for it; planners use it.
-    pub walk: [f64; 3],
+    /// What has the targets.
+    pub along: Along,
+}
+
+/// What has the targets of computed muscle control before an action moves them.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Along {
+    /// The reference motion of the task, or the pose of its initial state.
+    #[default]
+    Reference,
+    /// The script with which the task's tests show that it can succeed.
+    Demonstration,
+    /// A gait, which steps wherever balance needs it: how fast it walks forward and to its left, m/s, and turns to the left, rad/s, for entries of 1.
+    Gait([f64; 3]),
 }
 
 /// A controller that acts beside a policy.
@@ -212,6 +223,11 @@ impl TrackingOffsets {
 
     /// Whether the controller is a gait.
     pub fn walks(&self) -> bool {
-        self.walk != [0.0; 3]
+        matches!(self.along, Along::Gait(_))
+    }
+
+    /// The speeds of its gait for entries of 1: forward and left, m/s, turn, rad/s; 0 without one.
+    pub fn pace(&self) -> [f64; 3] {
+        if let Along::Gait(pace) = self.along { pace } else { [0.0; 3] }
     }
 }

@@ -1,6 +1,6 @@
 //! The action space of a task, for its report.
 
-use crate::action::{ActionSpace, ActionTarget, BaseController, distinct};
+use crate::action::{ActionSpace, ActionTarget, Along, BaseController, distinct};
 use crate::numbers::for_people;
 use crate::task::CompiledTask;
 use serde::Serialize;
@@ -29,6 +29,9 @@ pub struct ActionReport {
     /// The controller to whose actions those of the policy are added.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual: Option<String>,
+    /// What has the targets that the entries move, where that is neither a reference nor the initial pose: `demonstration` or `gait`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub along: Option<&'static str>,
 }
 
 /// The action space of a task.
@@ -49,6 +52,18 @@ pub(super) fn action(task: &CompiledTask) -> ActionReport {
             BaseController::Network(network) => format!("network {}", network.path),
             named => named.name().to_owned(),
         }),
+        along: along(space),
+    }
+}
+
+fn along(space: &ActionSpace) -> Option<&'static str> {
+    match &space.target {
+        ActionTarget::MuscleControl(offsets) => match offsets.along {
+            Along::Reference => None,
+            Along::Demonstration => Some("demonstration"),
+            Along::Gait(_) => Some("gait"),
+        },
+        _ => None,
     }
 }
 
@@ -60,7 +75,16 @@ fn ranges(space: &ActionSpace) -> Vec<String> {
             vec![format!("{} N m", each.join(", "))]
         }
         ActionTarget::MuscleControl(offsets) => {
-            let of = [("joints", offsets.range, "rad"), ("com", offsets.center_of_mass, "m"), ("root", offsets.root, "rad")];
+            let [forward, left, turn] = offsets.pace();
+            let of = [
+                ("joints", offsets.range, "rad"),
+                ("com", offsets.center_of_mass, "m"),
+                ("root", offsets.root, "rad"),
+                ("hands", offsets.reach, "m"),
+                ("forward", forward, "m/s"),
+                ("left", left, "m/s"),
+                ("turn", turn, "rad/s"),
+            ];
             let moved = of.into_iter().filter(|(_, range, _)| *range > 0.0);
             moved.map(|(what, range, unit)| format!("{what} {} {unit}", for_people(range))).collect()
         }
@@ -78,6 +102,7 @@ impl ActionReport {
             _ => "offsets of targets that computed muscle control tracks",
         };
         let mut parts = vec![format!("{}, {of_each}", counted(self.size, ["entry", "entries"]))];
+        parts.extend(self.along.map(|along| format!("along the {along}")));
         parts.extend(self.ranges.iter().map(|range| format!("up to {range}")));
         parts.extend((self.scale < 1.0).then(|| format!("scaled by {}", for_people(self.scale))));
         parts.extend((self.filter > 0.0).then(|| format!("filtered with {} s", for_people(self.filter))));

@@ -2,7 +2,7 @@
 
 use crate::settings::{Along, SpaceChoice, Targets};
 use msk_physics::scalar::Real;
-use msk_program::action::{ActionSpace, ActionTarget, BaseController, Synergy, TrackingOffsets};
+use msk_program::action::{self, ActionSpace, ActionTarget, BaseController, Synergy, TrackingOffsets};
 use msk_program::frame::{Sensor, Subject};
 use msk_program::scene::Part;
 use msk_program::testing::Take;
@@ -17,8 +17,8 @@ use std::ops::Range;
 /// How the entries of a plan become actions of an episode.
 #[derive(Debug, Clone)]
 pub(crate) enum Space {
-    /// They are actions of the task's own space.
-    Task,
+    /// They are actions of the task's own space: those that say how fast a gait goes, and whether others move hands.
+    Task { pace: Range<usize>, reaches: bool },
     /// They are entries of another space.
     Other(Box<Moved>),
 }
@@ -44,7 +44,7 @@ impl Space {
         let own = &context.task.action;
         let (space, shares) = match choice {
             SpaceChoice::Auto if own.is_default() => moved(context, targets)?,
-            SpaceChoice::Auto | SpaceChoice::Task => return Ok(Self::Task),
+            SpaceChoice::Auto | SpaceChoice::Task => return Ok(Self::Task { pace: paces(own), reaches: reaches(own) }),
             SpaceChoice::Targets => moved(context, targets)?,
             SpaceChoice::Muscles => (beside_control(ActionTarget::AllMuscles), Vec::new()),
             SpaceChoice::Synergies => (beside_control(families(context)?), Vec::new()),
@@ -97,7 +97,7 @@ impl Space {
     /// Which entries of a plan say how fast a gait goes: forward, left, turn. Empty where there is none.
     pub fn pace(&self) -> Range<usize> {
         match self {
-            Self::Task => 0..0,
+            Self::Task { pace, .. } => pace.clone(),
             Self::Other(moved) => moved.pace.clone(),
         }
     }
@@ -122,17 +122,15 @@ impl Space {
     /// Whether entries of a plan move hands.
     pub fn reaches(&self) -> bool {
         match self {
-            Self::Task => false,
-            Self::Other(moved) => {
-                matches!(&moved.controls.space().target, ActionTarget::MuscleControl(offsets) if !offsets.hands.is_empty())
-            }
+            Self::Task { reaches, .. } => *reaches,
+            Self::Other(moved) => reaches(moved.controls.space()),
         }
     }
 
     /// Which entries the actions have that it gives to the episode.
     pub fn acts_on(&self) -> ActsOn {
         match self {
-            Self::Task => ActsOn::Task,
+            Self::Task { .. } => ActsOn::Task,
             Self::Other(_) => ActsOn::Muscles,
         }
     }
@@ -147,7 +145,7 @@ impl Space {
     /// Entries of a plan.
     pub fn size(&self, context: &PolicyContext<'_>) -> usize {
         match self {
-            Self::Task => context.action_size(),
+            Self::Task { .. } => context.action_size(),
             Self::Other(moved) => moved.shares.len(),
         }
     }
@@ -155,7 +153,7 @@ impl Space {
     /// The entry that asks for nothing.
     pub fn rest(&self, context: &PolicyContext<'_>) -> f64 {
         match self {
-            Self::Task => context.task.action.rest(),
+            Self::Task { .. } => context.task.action.rest(),
             Self::Other(moved) => moved.controls.space().rest(),
         }
     }
@@ -164,7 +162,7 @@ impl Space {
     /// their entries.
     pub fn take(&mut self, entries: &[f64], action: &mut [f64]) -> Option<(&mut Controls, &[f64])> {
         match self {
-            Self::Task => {
+            Self::Task { .. } => {
                 action.copy_from_slice(entries);
                 None
             }
@@ -198,6 +196,11 @@ fn paces(space: &ActionSpace) -> Range<usize> {
     }
 }
 
+/// Whether entries of an action move hands.
+fn reaches(space: &ActionSpace) -> bool {
+    matches!(&space.target, ActionTarget::MuscleControl(offsets) if !offsets.hands.is_empty())
+}
+
 /// The targets of computed muscle control, and by which share of the range each joint is moved.
 fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace, Vec<f64>), String> {
     let range = targets.joint_range.at_least(targets.arm_range);
@@ -215,14 +218,21 @@ fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace,
         priorities: moved(libm::log(targets.priority_factor)),
         hands: if targets.reach > 0.0 { measured_hands(context) } else { Vec::new() },
         reach: targets.reach,
-        walk: if walks { targets.pace } else { [0.0; 3] },
+        along: followed(context, targets),
     };
     if offsets.size() == 0 {
         return Err("no target is left to be moved: name joints of the body in `targets.joints`".to_owned());
     }
-    let shown = targets.along == Along::Demonstration && demonstrated(context).is_some();
-    let residual = shown.then_some(BaseController::Demonstration);
-    Ok((ActionSpace { target: ActionTarget::MuscleControl(offsets), residual, ..ActionSpace::default() }, shares))
+    Ok((ActionSpace { target: ActionTarget::MuscleControl(offsets), ..ActionSpace::default() }, shares))
+}
+
+/// What has the targets that are moved: the reference or the pose where there is no demonstration.
+fn followed(context: &PolicyContext<'_>, targets: &Targets) -> action::Along {
+    match targets.along {
+        Along::Gait => action::Along::Gait(targets.pace),
+        Along::Demonstration if demonstrated(context).is_some() => action::Along::Demonstration,
+        _ => action::Along::Reference,
+    }
 }
 
 /// The hands of which the task measures where they are, or what they touch: others have nothing to reach for.

@@ -15,11 +15,11 @@ pub(crate) use excitation::action as action_for;
 pub use excitation::{REST, excitation};
 
 use crate::body::Body;
-use crate::cmc::{Along, ControlError, ControlScratch, Moment, Offsets, Present, Tracker, Walk};
+use crate::cmc::{ControlError, ControlScratch, Moment, Offsets, Present, Tracker, Walk};
 use base::Base;
 use delay::Delay;
 use msk_physics::scalar::Real;
-use msk_program::action::{ActionSpace, ActionTarget, BaseController, BaseNetwork, TrackingOffsets};
+use msk_program::action::{ActionSpace, ActionTarget, Along, BaseController, BaseNetwork, TrackingOffsets};
 use msk_program::task::CompiledTask;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -310,9 +310,9 @@ pub(crate) enum Taken {
 /// What the controller of an action space follows; `None` for a space without one.
 fn follows(space: &ActionSpace) -> Option<Along> {
     match (&space.target, &space.residual) {
-        (ActionTarget::MuscleControl(offsets), _) if offsets.walks() => Some(Along::Gait),
+        (ActionTarget::MuscleControl(offsets), _) => Some(offsets.along),
         (_, Some(BaseController::Demonstration)) => Some(Along::Demonstration),
-        (ActionTarget::MuscleControl(_), None) | (_, Some(BaseController::MuscleControl)) => Some(Along::Reference),
+        (_, Some(BaseController::MuscleControl)) => Some(Along::Reference),
         _ => None,
     }
 }
@@ -334,7 +334,7 @@ fn moved(targets: &TrackingOffsets, entries: &[f64]) -> Offsets {
     };
     let (center_of_mass, root) = (next([targets.center_of_mass; 3]), next([targets.root; 3]));
     let hands = targets.hands.iter().map(|&hand| (hand, next([targets.reach; 3]))).collect();
-    let walk = next(targets.walk);
+    let walk = next(targets.pace());
     let joints = targets.joints.iter().zip(joints).map(|(&joint, entry)| (joint, targets.range * entry)).collect();
     Offsets { joints, center_of_mass, root, hands, priorities, walk: Walk { velocity: walk.xy(), turn: walk.z } }
 }

@@ -64,14 +64,12 @@ impl Grips {
     /// Wishes that the points which are held now stay where they are, and that a body which has nothing else to lean on hangs still.
     pub fn wish(&self, present: &Present<'_>, wishes: &mut Wishes) {
         let &Present { state, workspace, .. } = present;
+        let mut held = self.0.iter().enumerate().filter(|(_, grip)| state.active[grip.equality] != 0.0).peekable();
         let stands = wishes.points.iter().any(|wish| wish.bearing == Bearing::Ground);
-        if !stands && self.0.iter().any(|grip| state.active[grip.equality] != 0.0) {
+        if !stands && held.peek().is_some() {
             wishes.centre.laws = HANGING;
         }
-        for (index, &Grip { equality, body, position }) in self.0.iter().enumerate() {
-            if state.active[equality] == 0.0 {
-                continue;
-            }
+        for (index, &Grip { body, position, .. }) in held {
             let (origin, rotation) = (workspace.kinematics.body_position[body], workspace.kinematics.body_rotation[body]);
             let point = Point {
                 key: FIRST_KEY + index,

@@ -51,7 +51,7 @@ pub(crate) use gait::Walk;
 pub(crate) use group::{AllocationGroup, Asking};
 pub(crate) use offsets::Offsets;
 pub(crate) use scratch::ControlScratch;
-pub(crate) use tracking::{Along, Moment, Tracker};
+pub(crate) use tracking::{Moment, Tracker};
 
 use crate::body::{Body, OutOfReach};
 use activation::Hold;

@@ -6,6 +6,7 @@ use super::goal::Course;
 use super::{ControlError, ControlScratch, Controller, Offsets, Present};
 use crate::script::Script;
 use msk_physics::Workspace;
+use msk_program::action::Along;
 use msk_program::task::{CompiledTask, TaskState};
 use std::sync::Arc;
 
@@ -22,22 +23,11 @@ pub(crate) struct Moment<'a> {
     pub present: Present<'a>,
 }
 
-/// What is tracked.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) enum Along {
-    /// The first reference of the task's present phase; without one, the pose with which the episode begins.
-    #[default]
-    Reference,
-    /// The first script among the task's tests that ends in success.
-    Demonstration,
-    /// A gait.
-    Gait,
-}
-
 /// Computed muscle control over one episode after the other.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Tracker {
     controller: Option<Controller>,
+    /// What is tracked.
     along: Along,
     /// The phase of the task whose reference is followed, and the step at which it began.
     followed: Option<(u32, u32)>,
@@ -67,7 +57,7 @@ impl Tracker {
         if self.along == Along::Demonstration {
             controller.follow(Some(schedule(moment)?), progress.step, &present);
         }
-        if self.along == Along::Gait {
+        if let Along::Gait(_) = self.along {
             controller.walk(&present)?;
         }
         self.controller = Some(controller);

@@ -3,13 +3,13 @@
 use super::{ActsOn, Pace, Policy, PolicyContext, PolicyError};
 use crate::action::{ControlMemory, Controls};
 use crate::cmc::{ControlError, Lead};
-use msk_program::action::{ActionSpace, ActionTarget, BaseController, TrackingOffsets};
+use msk_program::action::{ActionSpace, ActionTarget, Along, BaseController, TrackingOffsets};
 
 /// Follows the reference motion of the task, or the script of its demonstration, or walks; without any of them it holds the posture that an
 /// episode begins with. It acts on the muscles, whatever the action space of the task.
 #[derive(Debug, Clone)]
 pub struct ComputedMuscleControl {
-    along: BaseController,
+    along: Along,
     lead: Lead,
     pace: Option<Pace>,
     /// Of the present episode.
@@ -20,14 +20,14 @@ pub struct ComputedMuscleControl {
 
 impl Default for ComputedMuscleControl {
     fn default() -> Self {
-        Self::along(BaseController::MuscleControl)
+        Self::along(Along::Reference)
     }
 }
 
 impl ComputedMuscleControl {
     /// Follows the schedule of poses with which the task's own tests show that it can succeed.
     pub fn demonstration() -> Self {
-        Self::along(BaseController::Demonstration)
+        Self::along(Along::Demonstration)
     }
 
     /// The same with actions that are a smooth function of the state, which are easier to imitate: each muscle reaches its activation
@@ -39,10 +39,10 @@ impl ComputedMuscleControl {
 
     /// Walks at a pace, whatever the task.
     pub fn gait(pace: Pace) -> Self {
-        Self { pace: Some(pace), ..Self::default() }
+        Self { pace: Some(pace), ..Self::along(Along::Gait(Pace::MOST)) }
     }
 
-    fn along(along: BaseController) -> Self {
+    fn along(along: Along) -> Self {
         Self { along, lead: Lead::Exact, pace: None, controls: None, memory: ControlMemory::default() }
     }
 
@@ -56,9 +56,10 @@ impl Policy for ComputedMuscleControl {
         if let Some(pace) = &self.pace {
             return pace.name();
         }
-        match (&self.along, self.lead) {
-            (along, Lead::Exact) => along.name(),
-            (BaseController::Demonstration, Lead::Smooth) => "demonstration smooth",
+        match (self.along, self.lead) {
+            (Along::Demonstration, Lead::Exact) => BaseController::Demonstration.name(),
+            (_, Lead::Exact) => BaseController::MuscleControl.name(),
+            (Along::Demonstration, Lead::Smooth) => "demonstration smooth",
             (_, Lead::Smooth) => "cmc smooth",
         }
     }
@@ -69,10 +70,8 @@ impl Policy for ComputedMuscleControl {
 
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
         // Nothing but a pace is asked for.
-        let walk = self.pace.as_ref().map_or([0.0; 3], |_| Pace::MOST);
-        let target = ActionTarget::MuscleControl(TrackingOffsets { walk, ..TrackingOffsets::default() });
-        let residual = self.pace.is_none().then(|| self.along.clone());
-        let space = ActionSpace { target, residual, ..ActionSpace::default() };
+        let target = ActionTarget::MuscleControl(TrackingOffsets { along: self.along, ..TrackingOffsets::default() });
+        let space = ActionSpace { target, ..ActionSpace::default() };
         let controls = self.controls.insert(Controls::new(context, space));
         let ready = controls.reset(context);
         if let Some(pace) = &self.pace {

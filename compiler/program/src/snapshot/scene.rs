@@ -2,7 +2,7 @@
 
 use super::names;
 use super::{Section, encoding};
-use crate::action::{ActionSpace, ActionTarget, BaseController, distinct};
+use crate::action::{ActionSpace, ActionTarget, Along, BaseController, distinct};
 use crate::digest::sha256;
 use crate::graph::text::values;
 use crate::init::{Moves, Scaling, Variation};
@@ -72,11 +72,24 @@ impl CompiledTask {
                 section.field("joints", joints(chosen)).field("range", format!("{} N m", each.join(", ")))
             }
             ActionTarget::MuscleControl(offsets) => {
-                let ranges =
-                    [("range", offsets.range, "rad"), ("com", offsets.center_of_mass, "m"), ("root", offsets.root, "rad")];
+                let ranges = [
+                    ("range", offsets.range, "rad"),
+                    ("com", offsets.center_of_mass, "m"),
+                    ("root", offsets.root, "rad"),
+                    ("reach", offsets.reach, "m"),
+                ];
                 let moved = ranges.into_iter().filter(|(_, range, _)| *range > 0.0);
                 let section = section.field("joints", joints(&offsets.joints));
-                moved.fold(section, |section, (name, range, unit)| section.field(name, format!("{} {unit}", exact(range))))
+                let moved =
+                    moved.fold(section, |section, (name, range, unit)| section.field(name, format!("{} {unit}", exact(range))));
+                match offsets.along {
+                    Along::Reference => moved,
+                    Along::Demonstration => moved.field("along", "demonstration"),
+                    Along::Gait([forward, left, turn]) => {
+                        let [forward, left, turn] = [forward, left, turn].map(exact);
+                        moved.field("pace", format!("{forward} m/s, {left} m/s, {turn} rad/s"))
+                    }
+                }
             }
         };
         let section = section.field("scale", exact(*scale)).field("filter", format!("{} s", exact(*filter)));

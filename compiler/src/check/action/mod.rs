@@ -2,11 +2,12 @@
 
 pub mod spaces;
 mod synergies;
+mod targets;
 
 use super::context::{Checked, Checker};
 use super::dimension::Dimension;
 use super::value::{EntityRef, Value};
-use crate::action::{ActionSpace, ActionTarget, BaseController, BaseNetwork, TrackingOffsets};
+use crate::action::{ActionSpace, ActionTarget, BaseController, BaseNetwork};
 use crate::diagnostics::{FileId, codes, nearest};
 use crate::spoken;
 use crate::syntax::tree::{Act, Expr, ExprKind, Field, FieldValue};
@@ -282,31 +283,5 @@ impl<'a> Checker<'a> {
             return Err(self.report(diagnostic));
         }
         Ok(joints)
-    }
-
-    fn tracking_offsets(&mut self, settings: &Settings<'a>) -> Checked<ActionTarget> {
-        let offsets = TrackingOffsets {
-            joints: self.controlled_joints(settings)?,
-            range: self.amount(settings, "range", Dimension::ANGLE, MOST_ANGLE)?,
-            center_of_mass: self.amount(settings, "com", Dimension::LENGTH, MOST_LENGTH)?,
-            root: self.amount(settings, "root", Dimension::ANGLE, MOST_ANGLE)?,
-            ..TrackingOffsets::default()
-        };
-        let act = settings.act;
-        let missing = match (offsets.joints.is_empty(), offsets.range > 0.0) {
-            (true, true) => Some(("`range` is the offset of joints, and there are none", form("joints"))),
-            (false, false) => Some(("`joints` needs `range`, the offset of their targets", "range 0.5 rad")),
-            _ if offsets.size() == 0 => Some(("`act cmc` moves no target", "joints [legs, lumbar], range 0.5 rad, com 10 cm")),
-            _ => None,
-        };
-        match missing {
-            None => Ok(ActionTarget::MuscleControl(offsets)),
-            Some((message, example)) => {
-                let diagnostic = self
-                    .diagnostic(codes::tasks::MISSING, act.target.span, message)
-                    .help(format!("write `{example}`; `com 10 cm` and `root 20 deg` move other targets"));
-                Err(self.report(diagnostic))
-            }
-        }
     }
 }

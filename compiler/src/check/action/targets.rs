@@ -1,0 +1,115 @@
+//! The targets of computed muscle control that an action moves: `act cmc { joints legs, range 0.5 rad, com 10 cm }`.
+
+use super::spaces::form;
+use super::{MOST_ANGLE, MOST_LENGTH, Settings};
+use crate::action::{ActionTarget, Along, TrackingOffsets};
+use crate::check::context::{Checked, Checker};
+use crate::check::dimension::Dimension;
+use crate::diagnostics::codes;
+use crate::syntax::tree::ExprKind;
+use crate::vocabulary::GroupKind;
+
+/// The largest speeds of a gait forward and to the left, m/s, and of its turn, rad/s: beyond what it keeps up.
+const MOST_PACE: [f64; 3] = [2.0, 1.0, 2.0];
+
+impl<'a> Checker<'a> {
+    pub(super) fn tracking_offsets(&mut self, settings: &Settings<'a>) -> Checked<ActionTarget> {
+        let reach = self.amount(settings, "reach", Dimension::LENGTH, MOST_LENGTH)?;
+        let offsets = TrackingOffsets {
+            joints: self.controlled_joints(settings)?,
+            range: self.amount(settings, "range", Dimension::ANGLE, MOST_ANGLE)?,
+            center_of_mass: self.amount(settings, "com", Dimension::LENGTH, MOST_LENGTH)?,
+            root: self.amount(settings, "root", Dimension::ANGLE, MOST_ANGLE)?,
+            hands: if reach > 0.0 { self.hands(settings)? } else { Vec::new() },
+            reach,
+            along: self.along(settings)?,
+            ..TrackingOffsets::default()
+        };
+        let missing = match (offsets.joints.is_empty(), offsets.range > 0.0) {
+            (true, true) => Some(("`range` is the offset of joints, and there are none", form("joints"))),
+            (false, false) => Some(("`joints` needs `range`, the offset of their targets", "range 0.5 rad")),
+            _ if offsets.size() == 0 => Some(("`act cmc` moves no target", "joints [legs, lumbar], range 0.5 rad, com 10 cm")),
+            _ => None,
+        };
+        match missing {
+            None => Ok(ActionTarget::MuscleControl(offsets)),
+            Some((message, example)) => {
+                let diagnostic = self
+                    .diagnostic(codes::tasks::MISSING, settings.act.target.span, message)
+                    .help(format!("write `{example}`; `com 10 cm` and `root 20 deg` move other targets"));
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// What has the targets: a gait where there is a pace, what `along` names, or the reference.
+    fn along(&mut self, settings: &Settings<'a>) -> Checked<Along> {
+        let Some(pace) = self.pace(settings)? else { return self.followed(settings) };
+        // It leads the feet to wherever the centre of mass falls; and follows nothing.
+        let [needless, reason] = match (settings.get("com"), settings.get("along")) {
+            (Some(_), _) => ["com", "the steps of a gait say where the centre of mass goes"],
+            (None, Some(_)) => ["along", "a gait follows nothing"],
+            (None, None) => return Ok(Along::Gait(pace)),
+        };
+        let span = settings.get(needless).map_or(settings.act.target.span, |field| field.span);
+        let diagnostic = self
+            .diagnostic(codes::tasks::UNKNOWN_SETTING, span, format!("`{needless}` does not go with `pace`"))
+            .help(format!("{reason}: leave out `{needless}` or `pace`"));
+        Err(self.report(diagnostic))
+    }
+
+    /// `pace [1 m/s, 20 cm/s, 30 deg/s]`.
+    fn pace(&mut self, settings: &Settings<'a>) -> Checked<Option<[f64; 3]>> {
+        let Some(field) = settings.get("pace") else { return Ok(None) };
+        let expr = self.setting_value(field)?;
+        let elements = if let ExprKind::List(elements) = &expr.kind { elements.as_slice() } else { &[] };
+        let [forward, left, turn] = elements else {
+            let diagnostic = self
+                .diagnostic(codes::types::LENGTHS_DIFFER, expr.span, "`pace` has three speeds")
+                .expected("the largest forward, to the left and of the turn")
+                .help(format!("write `{}`", form("pace")));
+            return Err(self.report(diagnostic));
+        };
+        let [most_forward, most_left, most_turn] = MOST_PACE;
+        Ok(Some([
+            self.bounded(forward, "pace", Dimension::SPEED, most_forward)?,
+            self.bounded(left, "pace", Dimension::SPEED, most_left)?,
+            self.bounded(turn, "pace", Dimension::ANGULAR_VELOCITY, most_turn)?,
+        ]))
+    }
+
+    /// `along demonstration`.
+    fn followed(&mut self, settings: &Settings<'a>) -> Checked<Along> {
+        let Some(field) = settings.get("along") else { return Ok(Along::Reference) };
+        let expr = self.setting_value(field)?;
+        match &expr.kind {
+            ExprKind::Name(name) if name.text == "reference" => Ok(Along::Reference),
+            ExprKind::Name(name) if name.text == "demonstration" => Ok(Along::Demonstration),
+            _ => {
+                let diagnostic = self
+                    .diagnostic(codes::tasks::UNKNOWN_SETTING, expr.span, "computed muscle control cannot follow this")
+                    .expected("`along reference` or `along demonstration`")
+                    .help("`pace` lets it walk");
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+
+    /// The landmarks that reach.
+    fn hands(&mut self, settings: &Settings<'a>) -> Checked<Vec<usize>> {
+        let group = |name: &str| {
+            let known = self.vocabulary.groups.iter().find(|group| group.kind == GroupKind::Landmarks && group.name == name);
+            known.map(|group| group.members.clone())
+        };
+        match group("hands") {
+            Some(hands) => Ok(hands),
+            None => {
+                let span = settings.get("reach").map_or(settings.act.target.span, |field| field.span);
+                let diagnostic = self
+                    .diagnostic(codes::tasks::MISSING, span, "this body has no hands that could reach")
+                    .expected("a group `hands` of landmarks in its description");
+                Err(self.report(diagnostic))
+            }
+        }
+    }
+}
