@@ -171,8 +171,7 @@ impl Builder<'_> {
     }
 
     fn remove(&mut self, pair: &Pair<'_>) -> Remove {
-        let name = part(pair, Rule::name);
-        Remove { name: self.name(name), span: self.span(pair) }
+        Remove { name: self.path_in(pair), span: self.span(pair) }
     }
 
     fn allow(&mut self, pair: &Pair<'_>) -> Allow {
