@@ -134,15 +134,19 @@ fn entries_of_a_pace_are_the_policy_of_that_gait() {
     play(&mut plain, "gait 0.8 0 -0.5", 10);
     let mut environment = acting("act cmc { pace [1.6 m/s, 20 cm/s, 1 rad/s] }");
     assert_eq!(environment.task().action.names(&environment.task().vocabulary), ["walk.forward", "walk.left", "walk.turn"]);
+    let mut faster = acting("act cmc { pace [0.5 m/s, 20 cm/s, 1 rad/s], speed 0.8 m/s }");
     for _ in 0..10 {
         environment.step(&[0.5, 0.0, -0.5]).unwrap();
+        faster.step(&[0.0, 0.0, -0.5]).unwrap();
     }
     assert_eq!(environment.state(), plain.state());
+    assert_eq!(faster.state(), plain.state(), "with a speed of its own");
 }
 
 #[test]
 fn along_the_demonstration_zero_is_the_policy_of_that_name() {
-    let shown = ("success survived", "success survived\n test \"down\" { at 1 s { knee_angle_{l,r} = 30 deg } expect success }");
+    let shown =
+        ("success survived", "success survived\n test \"down\" { at 0.1 s { knee_angle_{l,r} = 30 deg }\n expect success }");
     let mut plain = episode(&[shown]);
     plain.reset(KEY);
     play(&mut plain, "demonstration", 10);

@@ -82,8 +82,13 @@ pub enum Along {
     Reference,
     /// The script with which the task's tests show that it can succeed.
     Demonstration,
-    /// A gait, which steps wherever balance needs it: how fast it walks forward and to its left, m/s, and turns to the left, rad/s, for entries of 1.
-    Gait([f64; 3]),
+    /// A gait, which steps wherever balance needs it.
+    Gait {
+        /// How fast it walks forward where entries are 0, m/s.
+        speed: f64,
+        /// By how much an entry of 1 changes how fast it walks forward and to its left, m/s, and turns to the left, rad/s.
+        pace: [f64; 3],
+    },
 }
 
 /// A controller that acts beside a policy.
@@ -223,11 +228,16 @@ impl TrackingOffsets {
 
     /// Whether the controller is a gait.
     pub fn walks(&self) -> bool {
-        matches!(self.along, Along::Gait(_))
+        matches!(self.along, Along::Gait { .. })
     }
 
-    /// The speeds of its gait for entries of 1: forward and left, m/s, turn, rad/s; 0 without one.
+    /// How far entries change the speeds of its gait, forward and left, m/s, and its turn, rad/s; 0 without one.
     pub fn pace(&self) -> [f64; 3] {
-        if let Along::Gait(pace) = self.along { pace } else { [0.0; 3] }
+        if let Along::Gait { pace, .. } = self.along { pace } else { [0.0; 3] }
+    }
+
+    /// How fast its gait walks forward where entries are 0, m/s.
+    pub fn speed(&self) -> f64 {
+        if let Along::Gait { speed, .. } = self.along { speed } else { 0.0 }
     }
 }

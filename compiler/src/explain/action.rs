@@ -32,6 +32,9 @@ pub struct ActionReport {
     /// What has the targets that the entries move, where that is neither a reference nor the initial pose: `demonstration` or `gait`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub along: Option<&'static str>,
+    /// How fast that gait walks forward where entries are 0, m/s.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub speed: f64,
 }
 
 /// The action space of a task.
@@ -53,7 +56,13 @@ pub(super) fn action(task: &CompiledTask) -> ActionReport {
             named => named.name().to_owned(),
         }),
         along: along(space),
+        speed: if let ActionTarget::MuscleControl(offsets) = &space.target { offsets.speed() } else { 0.0 },
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes fields by reference")]
+fn is_zero(speed: &f64) -> bool {
+    *speed == 0.0
 }
 
 fn along(space: &ActionSpace) -> Option<&'static str> {
@@ -61,7 +70,7 @@ fn along(space: &ActionSpace) -> Option<&'static str> {
         ActionTarget::MuscleControl(offsets) => match offsets.along {
             Along::Reference => None,
             Along::Demonstration => Some("demonstration"),
-            Along::Gait(_) => Some("gait"),
+            Along::Gait { .. } => Some("gait"),
         },
         _ => None,
     }
@@ -103,6 +112,7 @@ impl ActionReport {
         };
         let mut parts = vec![format!("{}, {of_each}", counted(self.size, ["entry", "entries"]))];
         parts.extend(self.along.map(|along| format!("along the {along}")));
+        parts.extend((self.speed > 0.0).then(|| format!("at {} m/s", for_people(self.speed))));
         parts.extend(self.ranges.iter().map(|range| format!("up to {range}")));
         parts.extend((self.scale < 1.0).then(|| format!("scaled by {}", for_people(self.scale))));
         parts.extend((self.filter > 0.0).then(|| format!("filtered with {} s", for_people(self.filter))));

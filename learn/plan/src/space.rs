@@ -229,7 +229,7 @@ fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace,
 /// What has the targets that are moved: the reference or the pose where there is no demonstration.
 fn followed(context: &PolicyContext<'_>, targets: &Targets) -> action::Along {
     match targets.along {
-        Along::Gait => action::Along::Gait(targets.pace),
+        Along::Gait => action::Along::Gait { speed: 0.0, pace: targets.pace },
         Along::Demonstration if demonstrated(context).is_some() => action::Along::Demonstration,
         _ => action::Along::Reference,
     }

@@ -21,7 +21,7 @@ use delay::Delay;
 use msk_physics::scalar::Real;
 use msk_program::action::{ActionSpace, ActionTarget, Along, BaseController, BaseNetwork, TrackingOffsets};
 use msk_program::task::CompiledTask;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -334,9 +334,10 @@ fn moved(targets: &TrackingOffsets, entries: &[f64]) -> Offsets {
     };
     let (center_of_mass, root) = (next([targets.center_of_mass; 3]), next([targets.root; 3]));
     let hands = targets.hands.iter().map(|&hand| (hand, next([targets.reach; 3]))).collect();
-    let walk = next(targets.pace());
+    let pace = next(targets.pace());
+    let walk = Walk { velocity: Vector2::new(targets.speed() + pace.x, pace.y), turn: pace.z };
     let joints = targets.joints.iter().zip(joints).map(|(&joint, entry)| (joint, targets.range * entry)).collect();
-    Offsets { joints, center_of_mass, root, hands, priorities, walk: Walk { velocity: walk.xy(), turn: walk.z } }
+    Offsets { joints, center_of_mass, root, hands, priorities, walk }
 }
 
 /// The share of its way that the output of a low-pass filter of first order goes in `period`, s; all of it without a time constant.

@@ -57,7 +57,7 @@ impl Tracker {
         if self.along == Along::Demonstration {
             controller.follow(Some(schedule(moment)?), progress.step, &present);
         }
-        if let Along::Gait(_) = self.along {
+        if let Along::Gait { .. } = self.along {
             controller.walk(&present)?;
         }
         self.controller = Some(controller);

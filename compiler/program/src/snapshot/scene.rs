@@ -85,9 +85,10 @@ impl CompiledTask {
                 match offsets.along {
                     Along::Reference => moved,
                     Along::Demonstration => moved.field("along", "demonstration"),
-                    Along::Gait([forward, left, turn]) => {
-                        let [forward, left, turn] = [forward, left, turn].map(exact);
-                        moved.field("pace", format!("{forward} m/s, {left} m/s, {turn} rad/s"))
+                    Along::Gait { speed, pace } => {
+                        let [forward, left, turn] = pace.map(exact);
+                        let moved = moved.field("pace", format!("{forward} m/s, {left} m/s, {turn} rad/s"));
+                        moved.field("speed", format!("{} m/s", exact(speed)))
                     }
                 }
             }

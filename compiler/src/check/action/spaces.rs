@@ -28,7 +28,7 @@ pub const SPACES: &[Space] = &[
     Space { name: "muscles", description: "the action of each muscle; the space of a task without `act`", required: &[], optional: &["of", "residual"] },
     Space { name: "synergies", description: "one action for each group of muscles, shared by its muscles", required: &["of"], optional: &["sides", "residual"] },
     Space { name: "torque", description: "torques on joints, without muscles: for debugging", required: &["joints", "range"], optional: &[] },
-    Space { name: "cmc", description: "offsets of the targets that computed muscle control tracks: the motion of a `reference`, or the initial pose; or the pace of a gait", required: &[], optional: &["joints", "range", "com", "root", "reach", "pace", "along"] },
+    Space { name: "cmc", description: "offsets of the targets that computed muscle control tracks: the motion of a `reference`, or the initial pose; or the pace of a gait", required: &[], optional: &["joints", "range", "com", "root", "reach", "pace", "speed", "along"] },
 ];
 
 /// Settings of every space.
@@ -48,7 +48,8 @@ pub const SETTINGS: &[Setting] = &[
     setting("com", "com 10 cm", "three entries that shift the target of the centre of mass forward, left and up in the root's heading"),
     setting("root", "root 20 deg", "three entries that turn the target of the root's orientation about its axes forward, left and up"),
     setting("reach", "reach 60 cm", "three entries for each hand: how far it reaches from where it is when the episode begins, forward, left and up in the root's heading"),
-    setting("pace", "pace [1 m/s, 20 cm/s, 30 deg/s]", "the body walks, and steps wherever balance needs it: three entries say how fast it goes forward, and to the left, and turns to the left"),
+    setting("pace", "pace [1 m/s, 20 cm/s, 30 deg/s]", "the body walks, and steps wherever balance needs it: three entries say how fast it goes forward, beyond `speed`, and to the left, and turns to the left"),
+    setting("speed", "speed 0.8 m/s", "how fast a gait goes forward where entries are 0, at first and without a policy"),
     setting("along", "along demonstration", "what has the targets, in place of a `reference` or the initial pose: the script of the first test that plays up to `expect success`"),
     setting("residual", "residual cmc", "the action is added to that of `cmc`, `demonstration` or a network, `residual \"agent.onnx\"`, muscle by muscle"),
     setting("scale", "scale 0.5", "factor of every entry, above 0 and at most 1"),

@@ -6,6 +6,7 @@ use crate::action::{ActionTarget, Along, TrackingOffsets};
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
 use crate::diagnostics::codes;
+use crate::numbers::for_people;
 use crate::syntax::tree::ExprKind;
 use crate::vocabulary::GroupKind;
 
@@ -44,12 +45,20 @@ impl<'a> Checker<'a> {
 
     /// What has the targets: a gait where there is a pace, what `along` names, or the reference.
     fn along(&mut self, settings: &Settings<'a>) -> Checked<Along> {
-        let Some(pace) = self.pace(settings)? else { return self.followed(settings) };
+        let Some(pace) = self.pace(settings)? else {
+            if let Some(speed) = settings.get("speed") {
+                let message = "`speed` needs `pace`, by how much entries change it";
+                let diagnostic =
+                    self.diagnostic(codes::tasks::MISSING, speed.span, message).help(format!("write `{}`", form("pace")));
+                return Err(self.report(diagnostic));
+            }
+            return self.followed(settings);
+        };
         // It leads the feet to wherever the centre of mass falls; and follows nothing.
         let [needless, reason] = match (settings.get("com"), settings.get("along")) {
             (Some(_), _) => ["com", "the steps of a gait say where the centre of mass goes"],
             (None, Some(_)) => ["along", "a gait follows nothing"],
-            (None, None) => return Ok(Along::Gait(pace)),
+            (None, None) => return Ok(Along::Gait { speed: self.speed(settings, pace[0])?, pace }),
         };
         let span = settings.get(needless).map_or(settings.act.target.span, |field| field.span);
         let diagnostic = self
@@ -76,6 +85,18 @@ impl<'a> Checker<'a> {
             self.bounded(left, "pace", Dimension::SPEED, most_left)?,
             self.bounded(turn, "pace", Dimension::ANGULAR_VELOCITY, most_turn)?,
         ]))
+    }
+
+    /// `speed 0.8 m/s`, for a pace that is changed by up to `range`.
+    fn speed(&mut self, settings: &Settings<'a>, range: f64) -> Checked<f64> {
+        let speed = self.amount(settings, "speed", Dimension::SPEED, MOST_PACE[0])?;
+        let Some(field) = settings.get("speed").filter(|_| speed + range > MOST_PACE[0]) else { return Ok(speed) };
+        let message = "a gait is asked to go faster than it can";
+        let diagnostic = self
+            .diagnostic(codes::tasks::OUT_OF_RANGE, field.span, message)
+            .expected("`speed` and the first of `pace` come to 2 m/s at most")
+            .found(format!("{} m/s", for_people(speed + range)));
+        Err(self.report(diagnostic))
     }
 
     /// `along demonstration`.
