@@ -33,8 +33,8 @@ pub struct ActionReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub along: Option<&'static str>,
     /// How fast that gait walks forward where entries are 0, m/s.
-    #[serde(skip_serializing_if = "is_zero")]
-    pub speed: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed: Option<f64>,
 }
 
 /// The action space of a task.
@@ -42,6 +42,7 @@ pub(super) fn action(task: &CompiledTask) -> ActionReport {
     let space = &task.action;
     let names = space.names(&task.vocabulary);
     let size = names.len();
+    let (along, speed) = along(space);
     ActionReport {
         space: space.word(),
         size,
@@ -55,24 +56,18 @@ pub(super) fn action(task: &CompiledTask) -> ActionReport {
             BaseController::Network(network) => format!("network {}", network.path),
             named => named.name().to_owned(),
         }),
-        along: along(space),
-        speed: if let ActionTarget::MuscleControl(offsets) = &space.target { offsets.speed() } else { 0.0 },
+        along,
+        speed,
     }
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes fields by reference")]
-fn is_zero(speed: &f64) -> bool {
-    *speed == 0.0
-}
-
-fn along(space: &ActionSpace) -> Option<&'static str> {
-    match &space.target {
-        ActionTarget::MuscleControl(offsets) => match offsets.along {
-            Along::Reference => None,
-            Along::Demonstration => Some("demonstration"),
-            Along::Gait { .. } => Some("gait"),
-        },
-        _ => None,
+/// What has the targets of computed muscle control, and how fast a gait goes that does not begin standing.
+fn along(space: &ActionSpace) -> (Option<&'static str>, Option<f64>) {
+    let ActionTarget::MuscleControl(offsets) = &space.target else { return (None, None) };
+    match offsets.along {
+        Along::Reference => (None, None),
+        Along::Demonstration => (Some("demonstration"), None),
+        Along::Gait { speed, .. } => (Some("gait"), Some(speed).filter(|speed| *speed > 0.0)),
     }
 }
 
@@ -112,7 +107,7 @@ impl ActionReport {
         };
         let mut parts = vec![format!("{}, {of_each}", counted(self.size, ["entry", "entries"]))];
         parts.extend(self.along.map(|along| format!("along the {along}")));
-        parts.extend((self.speed > 0.0).then(|| format!("at {} m/s", for_people(self.speed))));
+        parts.extend(self.speed.map(|speed| format!("at {} m/s", for_people(speed))));
         parts.extend(self.ranges.iter().map(|range| format!("up to {range}")));
         parts.extend((self.scale < 1.0).then(|| format!("scaled by {}", for_people(self.scale))));
         parts.extend((self.filter > 0.0).then(|| format!("filtered with {} s", for_people(self.filter))));

@@ -8,7 +8,7 @@ use crate::check::dimension::Dimension;
 use crate::diagnostics::codes;
 use crate::numbers::for_people;
 use crate::syntax::tree::ExprKind;
-use crate::vocabulary::GroupKind;
+use crate::vocabulary::{Group, GroupKind};
 
 /// The largest speeds of a gait forward and to the left, m/s, and of its turn, rad/s: beyond what it keeps up.
 const MOST_PACE: [f64; 3] = [2.0, 1.0, 2.0];
@@ -118,12 +118,9 @@ impl<'a> Checker<'a> {
 
     /// The landmarks that reach.
     fn hands(&mut self, settings: &Settings<'a>) -> Checked<Vec<usize>> {
-        let group = |name: &str| {
-            let known = self.vocabulary.groups.iter().find(|group| group.kind == GroupKind::Landmarks && group.name == name);
-            known.map(|group| group.members.clone())
-        };
-        match group("hands") {
-            Some(hands) => Ok(hands),
+        let is_hands = |group: &&Group| group.kind == GroupKind::Landmarks && group.name == "hands";
+        match self.vocabulary.groups.iter().find(is_hands) {
+            Some(hands) => Ok(hands.members.clone()),
             None => {
                 let span = settings.get("reach").map_or(settings.act.target.span, |field| field.span);
                 let diagnostic = self
