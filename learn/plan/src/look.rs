@@ -133,7 +133,7 @@ impl Look<'_> {
     /// A plan that asks for nothing.
     fn idle(&self, space: Space) -> Choice {
         let Settings { knots, interpolation, .. } = *self.settings;
-        let (size, rest) = (space.size(self.context), space.rest(self.context));
+        let (size, rest) = (space.size(self.context), space.rest());
         // One knot more than the horizon has, so that it can move on between them.
         Choice { space, plan: Curve::constant(rest, knots + 1, size, interpolation), entries: vec![rest; size] }
     }

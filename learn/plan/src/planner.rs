@@ -183,7 +183,7 @@ impl Followed {
                 stray_price: if walks { ASTRAY * sight } else { 0.0 },
                 change_price: settings.change_price * f64::from(extent.steps[0]),
             },
-            rest: space.rest(context),
+            rest: space.rest(),
             space,
             settings,
             extent,

@@ -13,12 +13,13 @@ use msk_runtime::policy::PolicyContext;
 use std::collections::BTreeMap;
 use std::iter;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// How the entries of a plan become actions of an episode.
 #[derive(Debug, Clone)]
 pub(crate) enum Space {
-    /// They are actions of the task's own space: those that say how fast a gait goes, and whether others move hands.
-    Task { pace: Range<usize>, reaches: bool },
+    /// They are actions of the task's own space.
+    Task(Arc<ActionSpace>),
     /// They are entries of another space.
     Other(Box<Moved>),
 }
@@ -31,8 +32,6 @@ pub(crate) struct Moved {
     shares: Vec<f64>,
     /// The products.
     entries: Vec<f64>,
-    /// Those that say how fast a gait goes; empty without one.
-    pace: Range<usize>,
 }
 
 impl Space {
@@ -44,7 +43,7 @@ impl Space {
         let own = &context.task.action;
         let (space, shares) = match choice {
             SpaceChoice::Auto if own.is_default() => moved(context, targets)?,
-            SpaceChoice::Auto | SpaceChoice::Task => return Ok(Self::Task { pace: paces(own), reaches: reaches(own) }),
+            SpaceChoice::Auto | SpaceChoice::Task => return Ok(Self::Task(Arc::new(own.clone()))),
             SpaceChoice::Targets => moved(context, targets)?,
             SpaceChoice::Muscles => (beside_control(ActionTarget::AllMuscles), Vec::new()),
             SpaceChoice::Synergies => (beside_control(families(context)?), Vec::new()),
@@ -54,8 +53,7 @@ impl Space {
         let size = controls.space().size(context.body.muscles.len());
         // Joints come first; what follows them has its whole range.
         let shares: Vec<f64> = shares.into_iter().chain(iter::repeat(1.0)).take(size).collect();
-        let pace = paces(controls.space());
-        Ok(Self::Other(Box::new(Moved { controls, entries: vec![0.0; size], shares, pace })))
+        Ok(Self::Other(Box::new(Moved { controls, entries: vec![0.0; size], shares })))
     }
 
     /// The space of the task's demonstration, where settings leave open whether it is followed, and it may lead to success: the task follows
@@ -96,9 +94,21 @@ impl Space {
 
     /// Which entries of a plan say how fast a gait goes: forward, left, turn. Empty where there is none.
     pub fn pace(&self) -> Range<usize> {
+        match &self.action_space().target {
+            // They come before the two of priorities.
+            ActionTarget::MuscleControl(offsets) if offsets.walks() => {
+                let end = offsets.size() - if offsets.priorities > 0.0 { 2 } else { 0 };
+                end - 3..end
+            }
+            _ => 0..0,
+        }
+    }
+
+    /// That of the entries.
+    fn action_space(&self) -> &ActionSpace {
         match self {
-            Self::Task { pace, .. } => pace.clone(),
-            Self::Other(moved) => moved.pace.clone(),
+            Self::Task(space) => space,
+            Self::Other(moved) => moved.controls.space(),
         }
     }
 
@@ -121,16 +131,13 @@ impl Space {
 
     /// Whether entries of a plan move hands.
     pub fn reaches(&self) -> bool {
-        match self {
-            Self::Task { reaches, .. } => *reaches,
-            Self::Other(moved) => reaches(moved.controls.space()),
-        }
+        matches!(&self.action_space().target, ActionTarget::MuscleControl(offsets) if !offsets.hands.is_empty())
     }
 
     /// Which entries the actions have that it gives to the episode.
     pub fn acts_on(&self) -> ActsOn {
         match self {
-            Self::Task { .. } => ActsOn::Task,
+            Self::Task(_) => ActsOn::Task,
             Self::Other(_) => ActsOn::Muscles,
         }
     }
@@ -145,24 +152,21 @@ impl Space {
     /// Entries of a plan.
     pub fn size(&self, context: &PolicyContext<'_>) -> usize {
         match self {
-            Self::Task { .. } => context.action_size(),
+            Self::Task(_) => context.action_size(),
             Self::Other(moved) => moved.shares.len(),
         }
     }
 
     /// The entry that asks for nothing.
-    pub fn rest(&self, context: &PolicyContext<'_>) -> f64 {
-        match self {
-            Self::Task { .. } => context.task.action.rest(),
-            Self::Other(moved) => moved.controls.space().rest(),
-        }
+    pub fn rest(&self) -> f64 {
+        self.action_space().rest()
     }
 
     /// Takes the entries of a plan: those of the task's own space are the action; for others it gives the controls that have to act, and
     /// their entries.
     pub fn take(&mut self, entries: &[f64], action: &mut [f64]) -> Option<(&mut Controls, &[f64])> {
         match self {
-            Self::Task { .. } => {
+            Self::Task(_) => {
                 action.copy_from_slice(entries);
                 None
             }
@@ -183,22 +187,6 @@ fn leaves_open(context: &PolicyContext<'_>, choice: SpaceChoice, targets: &Targe
         SpaceChoice::Task | SpaceChoice::Muscles | SpaceChoice::Synergies => false,
     };
     moves_targets && targets.along == Along::Auto
-}
-
-/// Which entries of an action say how fast a gait goes; they come before the two of priorities.
-fn paces(space: &ActionSpace) -> Range<usize> {
-    match &space.target {
-        ActionTarget::MuscleControl(offsets) if offsets.walks() => {
-            let end = offsets.size() - if offsets.priorities > 0.0 { 2 } else { 0 };
-            end - 3..end
-        }
-        _ => 0..0,
-    }
-}
-
-/// Whether entries of an action move hands.
-fn reaches(space: &ActionSpace) -> bool {
-    matches!(&space.target, ActionTarget::MuscleControl(offsets) if !offsets.hands.is_empty())
 }
 
 /// The targets of computed muscle control, and by which share of the range each joint is moved.
