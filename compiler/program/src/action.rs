@@ -91,6 +91,11 @@ pub enum Along {
     },
 }
 
+impl Along {
+    /// The largest speeds of a gait forward and to its left, m/s, and of its turn, rad/s: beyond what it keeps up.
+    pub const MOST_PACE: [f64; 3] = [2.0, 1.0, 2.0];
+}
+
 /// A controller that acts beside a policy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum BaseController {

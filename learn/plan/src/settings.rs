@@ -1,6 +1,7 @@
 //! Settings of a planner: presets, files, and what they may hold.
 
 use msk_physics::scalar::Real;
+use msk_program::action;
 use msk_settings::{Checked, SettingsError};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -273,6 +274,7 @@ impl Settings {
     fn check(&self, text: &str) -> Result<(), SettingsError> {
         let checked = Checked::of(text);
         let [forward, left, turn] = self.targets.pace;
+        let [most_forward, most_left, most_turn] = action::Along::MOST_PACE;
         let numbers: [(&'static str, f64, RangeInclusive<f64>, &str); 26] = [
             ("look", self.look, 0.0..=10.0, "s"),
             ("look_again", self.look_again, 0.0..=100.0, "s"),
@@ -295,10 +297,10 @@ impl Settings {
             ("center_of_mass", self.targets.center_of_mass, 0.0..=1.0, "m"),
             ("root", self.targets.root, 0.0..=3.2, "rad"),
             ("reach", self.targets.reach, 0.0..=2.0, "m"),
-            ("pace", forward, 0.01..=2.0, "m/s"),
-            ("fast", self.targets.fast, 0.0..=2.0, "m/s"),
-            ("pace", left, 0.01..=1.0, "m/s"),
-            ("pace", turn, 0.01..=2.0, "rad/s"),
+            ("pace", forward, 0.01..=most_forward, "m/s"),
+            ("fast", self.targets.fast, 0.0..=most_forward, "m/s"),
+            ("pace", left, 0.01..=most_left, "m/s"),
+            ("pace", turn, 0.01..=most_turn, "rad/s"),
             ("priority_factor", self.targets.priority_factor, 1.0..=100.0, ""),
         ];
         for (key, found, range, unit) in numbers {

@@ -39,7 +39,7 @@ impl ComputedMuscleControl {
 
     /// Walks at a pace, whatever the task.
     pub fn gait(pace: Pace) -> Self {
-        Self { pace: Some(pace), ..Self::along(Along::Gait { speed: 0.0, pace: Pace::MOST }) }
+        Self { pace: Some(pace), ..Self::along(Along::Gait { speed: 0.0, pace: Along::MOST_PACE }) }
     }
 
     fn along(along: Along) -> Self {

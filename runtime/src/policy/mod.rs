@@ -30,6 +30,7 @@ use crate::cmc::{Moment, Present};
 use crate::episode::{Engine, Episode, EpisodeKey};
 use msk_physics::model::Model;
 use msk_physics::{State, Workspace};
+use msk_program::action::Along;
 use msk_program::task::{CompiledTask, TaskState};
 
 /// What a policy may look at: the snapshot that the next action answers to.
@@ -172,7 +173,7 @@ pub enum PolicyError {
         reason: String,
     },
     /// A gait without a sensible pace.
-    #[error("`{text}` {reason}; write `gait FORWARD LEFT TURN` in m/s, m/s and rad/s, at most {}, {} and {}", Pace::MOST[0], Pace::MOST[1], Pace::MOST[2])]
+    #[error("`{text}` {reason}; write `gait FORWARD LEFT TURN` in m/s, m/s and rad/s, at most {}, {} and {}", Along::MOST_PACE[0], Along::MOST_PACE[1], Along::MOST_PACE[2])]
     Gait {
         /// As it was written.
         text: String,

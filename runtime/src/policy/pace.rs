@@ -1,6 +1,7 @@
 //! How fast a gait goes, as a policy names it: `gait FORWARD LEFT TURN`.
 
 use super::PolicyError;
+use msk_program::action::Along;
 
 /// Speeds forward and to the left of where a body faces, m/s, and the speed with which it turns to the left, rad/s.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,13 +11,10 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// The greatest size of each.
-    pub const MOST: [f64; 3] = [2.0, 1.0, 2.0];
-
     /// Reads `gait`, which stands, and steps where balance needs it, `gait FORWARD`, `gait FORWARD LEFT` or `gait FORWARD LEFT TURN`.
     ///
     /// # Errors
-    /// A word that is no number, a number beyond [`MOST`](Self::MOST), or too many of them.
+    /// A word that is no number, a number beyond [`MOST_PACE`](Along::MOST_PACE), or too many of them.
     pub fn read(text: &str) -> Result<Self, PolicyError> {
         let wrong = |reason: String| PolicyError::Gait { text: text.to_owned(), reason };
         let mut walk = [0.0; 3];
@@ -25,7 +23,7 @@ impl Pace {
         if numbers.len() > walk.len() {
             return Err(wrong(format!("has {} numbers", numbers.len())));
         }
-        for ((speed, word), most) in walk.iter_mut().zip(numbers).zip(Self::MOST) {
+        for ((speed, word), most) in walk.iter_mut().zip(numbers).zip(Along::MOST_PACE) {
             *speed = word.parse().map_err(|_| wrong(format!("has `{word}` for a number")))?;
             // Not a number is not within any bounds.
             if !(-most..=most).contains(speed) {
@@ -40,10 +38,10 @@ impl Pace {
         &self.name
     }
 
-    /// Its shares of [`MOST`](Self::MOST), in [-1, 1].
+    /// Its shares of [`MOST_PACE`](Along::MOST_PACE), in [-1, 1].
     pub(super) fn entries(&self) -> [f64; 3] {
         let [forward, left, turn] = self.walk;
-        let [most_forward, most_left, most_turn] = Self::MOST;
+        let [most_forward, most_left, most_turn] = Along::MOST_PACE;
         [forward / most_forward, left / most_left, turn / most_turn]
     }
 }

@@ -10,9 +10,6 @@ use crate::numbers::for_people;
 use crate::syntax::tree::ExprKind;
 use crate::vocabulary::{Group, GroupKind};
 
-/// The largest speeds of a gait forward and to the left, m/s, and of its turn, rad/s: beyond what it keeps up.
-const MOST_PACE: [f64; 3] = [2.0, 1.0, 2.0];
-
 impl<'a> Checker<'a> {
     pub(super) fn tracking_offsets(&mut self, settings: &Settings<'a>) -> Checked<ActionTarget> {
         let reach = self.amount(settings, "reach", Dimension::LENGTH, MOST_LENGTH)?;
@@ -79,7 +76,7 @@ impl<'a> Checker<'a> {
                 .help(format!("write `{}`", form("pace")));
             return Err(self.report(diagnostic));
         };
-        let [most_forward, most_left, most_turn] = MOST_PACE;
+        let [most_forward, most_left, most_turn] = Along::MOST_PACE;
         Ok(Some([
             self.bounded(forward, "pace", Dimension::SPEED, most_forward)?,
             self.bounded(left, "pace", Dimension::SPEED, most_left)?,
@@ -89,8 +86,8 @@ impl<'a> Checker<'a> {
 
     /// `speed 0.8 m/s`, for a pace that is changed by up to `range`.
     fn speed(&mut self, settings: &Settings<'a>, range: f64) -> Checked<f64> {
-        let speed = self.amount(settings, "speed", Dimension::SPEED, MOST_PACE[0])?;
-        let Some(field) = settings.get("speed").filter(|_| speed + range > MOST_PACE[0]) else { return Ok(speed) };
+        let speed = self.amount(settings, "speed", Dimension::SPEED, Along::MOST_PACE[0])?;
+        let Some(field) = settings.get("speed").filter(|_| speed + range > Along::MOST_PACE[0]) else { return Ok(speed) };
         let message = "a gait is asked to go faster than it can";
         let diagnostic = self
             .diagnostic(codes::tasks::OUT_OF_RANGE, field.span, message)
