@@ -1,12 +1,12 @@
-//! Pairs whose bounding spheres meet, and which the line between their centres does not part, of all lanes at once.
+//! Pairs whose bounding spheres meet, and which neither the line between their centres nor a face of a box parts, of all lanes at once.
 
 use super::{Contact, Memory, Plan};
 use crate::{
     batch::PerLane,
     kinematics::Kinematics,
-    model::{GeomKind, Model},
+    model::{GeomKind, HeightField, Model},
     scalar::Real,
-    spatial::{dot, norm, rotate_back, scale},
+    spatial::{constant, dot, norm, rotate_back, scale},
 };
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -66,7 +66,6 @@ impl<T: Real> NearPairs<T> {
         for &index in chosen.iter() {
             T::apart();
             let candidate = &plan.candidates[index];
-            let [first, second] = candidate.geoms;
             let mut bound = T::splat(candidate.bound);
             if own_shapes {
                 for lane in 0..T::LANES {
@@ -74,19 +73,30 @@ impl<T: Real> NearPairs<T> {
                     bound.set_lane(lane, candidate.bound + growth);
                 }
             }
+            let [first, second] = candidate.geoms;
             let between = geom_position[second] - geom_position[first];
             let plane = candidate.kinds[0] == GeomKind::Plane;
             let normal = geom_rotation[first].column(2).into_owned();
             let far = if plane { bound.less(dot(&between, &normal)) } else { (bound * bound).less(dot(&between, &between)) };
             let mut near = T::not(far);
-            if !own_shapes && T::any(near) {
-                // Centres in one place give no direction: nothing is less than NaN.
-                let direction = if plane { normal } else { scale(&between, T::splat(1.0) / norm(&between)) };
-                let mut reach = T::splat(candidate.reach() + SLACK) + extent(model, geom_rotation, second, &direction);
-                if !plane {
-                    reach += extent(model, geom_rotation, first, &direction);
+            if !T::any(near) {
+                continue;
+            }
+            let [first, second] = candidate.geoms.map(|geom| Bounds::of(model, kinematics, geom, own_shapes));
+            // Centres in one place give no direction: nothing is less than NaN.
+            let direction = if plane { normal } else { scale(&between, T::splat(1.0) / norm(&between)) };
+            let reach = T::splat(candidate.reach() + SLACK);
+            let mut least = reach + second.extent(&direction);
+            if !plane {
+                least += first.extent(&direction);
+            }
+            near = T::and(near, T::not(least.less(dot(&between, &direction))));
+            // A plane is all on one side of itself, and nothing is beside it.
+            let faces = [(&first, &second), (&second, &first)];
+            for (one, other) in faces.into_iter().filter(|(one, _)| !plane && one.has_faces()) {
+                if T::any(near) {
+                    near = T::and(near, T::not(one.parted_by_a_face(other, reach)));
                 }
-                near = T::and(near, T::not(reach.less(dot(&between, &direction))));
             }
             if T::any(near) {
                 pairs.push((index, near));
@@ -95,39 +105,122 @@ impl<T: Real> NearPairs<T> {
     }
 }
 
-/// How far a shape reaches from its centre along a unit vector, m.
-#[inline(always)]
-fn extent<T: Real>(model: &Model, rotation: &[Matrix3<T>], geom: usize, direction: &Vector3<T>) -> T {
-    let size = &model.geoms.size[geom];
-    let (a, b, c) = (T::splat(size.x), T::splat(size.y), T::splat(size.z));
-    let local = rotate_back(&rotation[geom], direction);
-    let [x, y, z] = [local.x.abs(), local.y.abs(), local.z.abs()];
-    match model.geoms.kind[geom] {
-        GeomKind::Sphere => a,
-        GeomKind::Capsule => a + b * z,
-        GeomKind::Ellipsoid => ((a * x).squared() + (b * y).squared() + (c * z).squared()).sqrt(),
-        GeomKind::Cylinder => a * (x.squared() + y.squared()).sqrt() + b * z,
-        GeomKind::Box => a * x + b * y + c * z,
-        GeomKind::Plane | GeomKind::HeightField | GeomKind::Mesh => T::splat(model.geoms.bounding_radius[geom]),
+/// A geom, as far as it is seen here.
+struct Bounds<'a, T: Real> {
+    kind: GeomKind,
+    position: &'a Vector3<T>,
+    rotation: &'a Matrix3<T>,
+    /// Size as defined by its kind, of a height field half the sides of the box that holds it, m.
+    size: Vector3<T>,
+    /// How far the middle of that box lies above the geom's origin along its z axis, m: 0 for other kinds.
+    rise: T,
+    /// Radius of a sphere about its origin that holds it, m: 0 for planes.
+    radius: T,
+}
+
+impl<'a, T: Real> Bounds<'a, T> {
+    #[inline(always)]
+    fn of(model: &Model, kinematics: &'a Kinematics<T>, geom: usize, own_shapes: bool) -> Self {
+        let kind = model.geoms.kind[geom];
+        let mut of = Self {
+            kind,
+            position: &kinematics.geom_position[geom],
+            rotation: &kinematics.geom_rotation[geom],
+            size: constant(&model.geoms.size[geom]),
+            rise: T::splat(0.0),
+            radius: T::splat(model.geoms.bounding_radius[geom]),
+        };
+        if let (GeomKind::HeightField, Some(asset)) = (kind, model.geoms.asset[geom]) {
+            let (half, rise) = box_around(&model.height_fields[asset]);
+            of.size = constant(&half);
+            of.rise = T::splat(rise);
+        }
+        if own_shapes {
+            of.take_overrides(kinematics, geom);
+        }
+        of
     }
+
+    /// Takes the shapes that single lanes have of their own.
+    fn take_overrides(&mut self, kinematics: &Kinematics<T>, geom: usize) {
+        for lane in 0..T::LANES {
+            let Some(own) = kinematics.overrides.shape(lane, geom) else { continue };
+            let (size, rise) = own.heights.as_ref().map_or((own.size, 0.0), box_around);
+            self.size.iter_mut().zip(size.iter()).for_each(|(all, own)| all.set_lane(lane, *own));
+            self.rise.set_lane(lane, rise);
+            self.radius.set_lane(lane, own.bounding_radius(self.kind));
+        }
+    }
+
+    /// How far the shape reaches from its origin along a unit vector, m.
+    #[inline(always)]
+    fn extent(&self, direction: &Vector3<T>) -> T {
+        let [a, b, c] = [self.size.x, self.size.y, self.size.z];
+        let local = rotate_back(self.rotation, direction);
+        let [x, y, z] = [local.x.abs(), local.y.abs(), local.z.abs()];
+        match self.kind {
+            GeomKind::Sphere => a,
+            GeomKind::Capsule => a + b * z,
+            GeomKind::Ellipsoid => ((a * x).squared() + (b * y).squared() + (c * z).squared()).sqrt(),
+            GeomKind::Cylinder => a * (x.squared() + y.squared()).sqrt() + b * z,
+            GeomKind::Box => a * x + b * y + c * z,
+            GeomKind::Plane | GeomKind::HeightField | GeomKind::Mesh => self.radius,
+        }
+    }
+
+    /// Whether it fills a box well.
+    fn has_faces(&self) -> bool {
+        matches!(self.kind, GeomKind::Box | GeomKind::HeightField)
+    }
+
+    /// The lanes in which another shape lies more than `reach` beyond a face of the box that holds this one.
+    #[inline(always)]
+    fn parted_by_a_face(&self, other: &Self, reach: T) -> T::Mask {
+        let mut place = rotate_back(self.rotation, &(other.position - self.position));
+        place.z -= self.rise;
+        let mut parted = T::mask(|_| false);
+        for axis in 0..3 {
+            let face = self.rotation.column(axis).into_owned();
+            let least = self.size[axis] + other.extent(&face) + reach;
+            parted = T::or(parted, least.less(place[axis].abs()));
+        }
+        parted
+    }
+}
+
+/// Half the sides of the box that holds a height field, and how far its middle lies above the field's origin, m.
+fn box_around(field: &HeightField) -> (Vector3<f64>, f64) {
+    let [x, y] = field.radius;
+    (Vector3::new(x, y, 0.5 * (field.elevation + field.base)), 0.5 * (field.elevation - field.base))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::overrides::{Overrides, ShapeOverride, ShapeOverrides};
     use crate::{State, Workspace, step};
     use proptest::prelude::*;
 
     const KINDS: [&str; 5] = ["sphere", "capsule", "ellipsoid", "cylinder", "box"];
 
-    /// Two shapes that fly, over a plane, with a margin.
+    /// Two shapes that fly, over a plane and waves that lean, with a margin.
     fn model(kinds: [usize; 2], sizes: [[f64; 3]; 2]) -> Model {
         let body = |index: usize| {
             let [a, b, c] = sizes[index];
             let kind = KINDS[kinds[index]];
             format!(r#"<body><freejoint/><geom type="{kind}" size="{a} {b} {c}" margin="0.02"/></body>"#)
         };
-        let text = format!(r#"<mujoco><worldbody><geom type="plane" size="1 1 1"/>{}{}</worldbody></mujoco>"#, body(0), body(1));
+        let text = format!(
+            r#"<mujoco>
+            <asset><hfield name="waves" nrow="2" ncol="3" elevation="0 1 .2 .4 0 .7" size=".4 .3 .2 .05"/></asset>
+            <worldbody>
+                <geom type="plane" size="1 1 1"/>
+                <geom type="hfield" hfield="waves" pos=".1 0 -.1" euler="10 20 30"/>
+                {}{}
+            </worldbody></mujoco>"#,
+            body(0),
+            body(1)
+        );
         Model::from_mjcf(&text).unwrap()
     }
 
@@ -138,12 +231,18 @@ mod tests {
             sizes in [[0.02_f64..0.3, 0.02..0.3, 0.02..0.3], [0.02..0.3, 0.02..0.3, 0.02..0.3]],
             places in [[-0.4_f64..0.4, -0.4..0.4, -0.4..0.4], [-0.4..0.4, -0.4..0.4, -0.4..0.4]],
             turns in [[-1.0_f64..1.0, -1.0..1.0, -1.0..1.0, -1.0..1.0], [-1.0..1.0, -1.0..1.0, -1.0..1.0, -1.0..1.0]],
+            own in proptest::option::of([0.02_f64..0.5, 0.02..0.5, 0.02..0.5]),
         ) {
             let model = model(kinds, sizes);
             let mut state = State::<f64>::new(&model);
             for body in 0..2 {
                 state.position[7 * body..][..3].copy_from_slice(&places[body]);
                 state.position[7 * body + 3..][..4].copy_from_slice(&turns[body]);
+            }
+            if let Some(size) = own {
+                let (geom, size) = (model.geoms.kind.len() - 1, Vector3::from(size));
+                let shape = ShapeOverride { geom, size, position: Vector3::zeros(), heights: None };
+                state.overrides = Overrides::of(ShapeOverrides { shapes: vec![shape], moments: Vec::new() });
             }
             let mut workspace = Workspace::new(&model);
             // Where it was solved does not matter, only that positions were passed forward.
@@ -174,5 +273,18 @@ mod tests {
         state.position[7] = 0.11;
         step(&model, &mut state, &mut workspace).unwrap();
         assert_eq!(workspace.near.in_lane(0).count(), 1);
+    }
+    #[test]
+    fn a_shape_over_a_wide_box_is_parted_by_its_face() {
+        let model = model([4, 1], [[1.0, 1.0, 0.02], [0.05, 0.2, 0.0]]);
+        let mut state = State::<f64>::new(&model);
+        let mut over = |height: f64| {
+            state.position[..3].copy_from_slice(&[0.0, 0.0, 1.0]);
+            state.position[7..10].copy_from_slice(&[0.8, 0.0, 1.0 + height]);
+            let mut workspace = Workspace::new(&model);
+            step(&model, &mut state, &mut workspace).unwrap();
+            workspace.near.in_lane(0).count()
+        };
+        assert_eq!([over(0.35), over(0.25)], [0, 1]);
     }
 }
