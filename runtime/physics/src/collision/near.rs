@@ -82,7 +82,8 @@ impl<T: Real> NearPairs<T> {
             if !T::any(near) {
                 continue;
             }
-            let [first, second] = candidate.geoms.map(|geom| Bounds::of(model, kinematics, geom, own_shapes));
+            let (first, second) =
+                (Bounds::of(model, kinematics, first, own_shapes), Bounds::of(model, kinematics, second, own_shapes));
             // Centres in one place give no direction: nothing is less than NaN.
             let direction = if plane { normal } else { scale(&between, T::splat(1.0) / norm(&between)) };
             let reach = T::splat(candidate.reach() + SLACK);
