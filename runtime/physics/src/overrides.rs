@@ -112,6 +112,17 @@ impl Overrides {
         own.map_or(model.geoms.bounding_radius[geom], |own| own.bounding_radius(model.geoms.kind[geom]))
     }
 
+    /// Size of a geom as defined by its kind, m; without meaning for height fields.
+    #[inline(always)]
+    pub(crate) fn size<T: Real>(&self, model: &Model, geom: usize) -> Vector3<T> {
+        let mut size: Vector3<T> = constant(&model.geoms.size[geom]);
+        for (lane, own) in self.0.iter().enumerate() {
+            let Some(own) = own.as_deref().and_then(|own| own.shape(geom)) else { continue };
+            size.iter_mut().zip(own.size.iter()).for_each(|(size, own)| size.set_lane(lane, *own));
+        }
+        size
+    }
+
     /// Principal moments of inertia of a body, kg m², but for `mass_scale`.
     #[inline(always)]
     pub(crate) fn moments<T: Real>(&self, model: &Model, body: usize) -> Vector3<T> {

@@ -115,7 +115,7 @@ struct Bounds<'a, T: Real> {
     size: Vector3<T>,
     /// How far the middle of that box lies above the geom's origin along its z axis, m: 0 for other kinds.
     rise: T,
-    /// Radius of a sphere about its origin that holds it, m: 0 for planes.
+    /// Radius of a sphere about its origin that holds it, m: of a height field and a mesh, whose extents it stands for.
     radius: T,
 }
 
@@ -127,7 +127,7 @@ impl<'a, T: Real> Bounds<'a, T> {
             kind,
             position: &kinematics.geom_position[geom],
             rotation: &kinematics.geom_rotation[geom],
-            size: constant(&model.geoms.size[geom]),
+            size: kinematics.overrides.size(model, geom),
             rise: T::splat(0.0),
             radius: T::splat(model.geoms.bounding_radius[geom]),
         };
@@ -135,21 +135,22 @@ impl<'a, T: Real> Bounds<'a, T> {
             let (half, rise) = box_around(&model.height_fields[asset]);
             of.size = constant(&half);
             of.rise = T::splat(rise);
-        }
-        if own_shapes {
-            of.take_overrides(kinematics, geom);
+            if own_shapes {
+                of.take_heights(model, kinematics, geom);
+            }
         }
         of
     }
 
-    /// Takes the shapes that single lanes have of their own.
-    fn take_overrides(&mut self, kinematics: &Kinematics<T>, geom: usize) {
+    /// Takes the heights that single lanes have of their own.
+    fn take_heights(&mut self, model: &Model, kinematics: &Kinematics<T>, geom: usize) {
+        let overrides = &kinematics.overrides;
         for lane in 0..T::LANES {
-            let Some(own) = kinematics.overrides.shape(lane, geom) else { continue };
-            let (size, rise) = own.heights.as_ref().map_or((own.size, 0.0), box_around);
-            self.size.iter_mut().zip(size.iter()).for_each(|(all, own)| all.set_lane(lane, *own));
+            let Some(heights) = overrides.shape(lane, geom).and_then(|own| own.heights.as_ref()) else { continue };
+            let (half, rise) = box_around(heights);
+            self.size.iter_mut().zip(half.iter()).for_each(|(all, own)| all.set_lane(lane, *own));
             self.rise.set_lane(lane, rise);
-            self.radius.set_lane(lane, own.bounding_radius(self.kind));
+            self.radius.set_lane(lane, overrides.bounding_radius(model, lane, geom));
         }
     }
 
@@ -275,6 +276,7 @@ mod tests {
         step(&model, &mut state, &mut workspace).unwrap();
         assert_eq!(workspace.near.in_lane(0).count(), 1);
     }
+
     #[test]
     fn a_shape_over_a_wide_box_is_parted_by_its_face() {
         let model = model([4, 1], [[1.0, 1.0, 0.02], [0.05, 0.2, 0.0]]);

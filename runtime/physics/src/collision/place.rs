@@ -5,7 +5,7 @@ use crate::{
     model::{GeomKind, HeightField, Mesh, Model},
     overrides::ShapeOverride,
     scalar::Real,
-    spatial::{constant, lane_of, matrix_of},
+    spatial::{lane_of, matrix_of},
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -74,16 +74,7 @@ impl<'a, T: Real> Placed<'a, T> {
     /// Geom `geom`, a primitive, where the kinematics of all lanes put it.
     #[inline(always)]
     pub(super) fn of_all(model: &Model, kinematics: &Kinematics<T>, geom: usize) -> Self {
-        let mut size: Vector3<T> = constant(&model.geoms.size[geom]);
-        if !kinematics.overrides.is_empty() {
-            for lane in 0..T::LANES {
-                if let Some(own) = kinematics.overrides.shape(lane, geom) {
-                    for axis in 0..3 {
-                        size[axis].set_lane(lane, own.size[axis]);
-                    }
-                }
-            }
-        }
+        let size = kinematics.overrides.size(model, geom);
         let (position, rotation) = (kinematics.geom_position[geom], kinematics.geom_rotation[geom]);
         Self { kind: model.geoms.kind[geom], position, rotation, size, asset: Asset::None }
     }
