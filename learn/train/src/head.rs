@@ -6,7 +6,6 @@ use crate::learner::draw_squashed;
 use crate::play::Play;
 use crate::settings::DynsynSettings;
 use msk_network::{Mlp, Parameters, Tape, Variable};
-use msk_runtime::episode::Stream;
 
 /// How an actor acts.
 #[derive(Debug, Clone)]
@@ -34,6 +33,14 @@ impl Head {
         }
     }
 
+    /// Standard normal numbers that a draw takes.
+    pub fn draws(&self) -> usize {
+        match self {
+            Self::Entries(entries) => *entries,
+            Self::Synergies { synergies, .. } => synergies.outputs(),
+        }
+    }
+
     /// Becomes that of a share of a training.
     pub fn set_progress(&mut self, progress: f64) {
         if let Self::Synergies { synergies, settings } = self {
@@ -41,14 +48,14 @@ impl Head {
         }
     }
 
-    /// An action for each row of outputs, and the logarithm of its density.
-    pub fn sample(&self, tape: &mut Tape, output: Variable, chance: &mut Stream) -> [Variable; 2] {
+    /// An action for each row of outputs, drawn by standard normal numbers, and the logarithm of its density.
+    pub fn sample(&self, tape: &mut Tape, output: Variable, noise: &mut dyn Iterator<Item = f32>) -> [Variable; 2] {
         match self {
             Self::Entries(entries) => {
                 let (mean, log_std) = (tape.columns(output, 0..*entries), tape.columns(output, *entries..2 * entries));
-                draw_squashed(tape, mean, log_std, chance)
+                draw_squashed(tape, mean, log_std, noise)
             }
-            Self::Synergies { synergies, .. } => synergies.sample(tape, output, chance),
+            Self::Synergies { synergies, .. } => synergies.sample(tape, output, noise),
         }
     }
 

@@ -114,11 +114,16 @@ impl Networks {
 /// Bounds of the logarithm of a standard deviation.
 const LOG_STD: [f32; 2] = [-20.0, 2.0];
 
-/// A draw of squashed Gaussians with these means and logarithms of deviations, and the logarithm of its density.
-pub(crate) fn draw_squashed(tape: &mut Tape, mean: Variable, log_std: Variable, chance: &mut Stream) -> [Variable; 2] {
+/// A draw of squashed Gaussians with these means and logarithms of deviations by standard normal numbers, and the logarithm of its density.
+pub(crate) fn draw_squashed(
+    tape: &mut Tape,
+    mean: Variable,
+    log_std: Variable,
+    noise: &mut dyn Iterator<Item = f32>,
+) -> [Variable; 2] {
     let [rows, columns] = tape.size(mean);
     let log_std = tape.clip(log_std, LOG_STD[0], LOG_STD[1]);
-    let noise = tape.constant(rows, columns, (0..rows * columns).map(|_| chance.normal() as f32));
+    let noise = tape.constant(rows, columns, noise.take(rows * columns));
     squashed_gaussian(tape, mean, log_std, noise)
 }
 

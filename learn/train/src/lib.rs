@@ -23,6 +23,7 @@ mod head;
 mod imitation;
 mod learner;
 mod mpo;
+mod noise;
 mod numbers;
 mod onnx;
 mod play;

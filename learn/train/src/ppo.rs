@@ -4,6 +4,7 @@
 use crate::agent::{Actor, Output};
 use crate::error::TrainError;
 use crate::learner::{Losses, Means, Networks, Optimizer};
+use crate::noise::Noise;
 use crate::numbers::Numbers;
 use crate::play::Play;
 use crate::settings::{PpoSettings, Settings};
@@ -24,6 +25,7 @@ pub(crate) struct Ppo {
     log_std: Range<usize>,
     optimizer: Optimizer,
     chance: Stream,
+    noise: Noise,
     rollout: Rollout,
     means: Means,
     /// Control steps before which the policy stays as it is.
@@ -49,6 +51,7 @@ pub(crate) struct PpoState {
     parameters: Numbers,
     optimizer: Optimizer,
     chance: Stream,
+    noise: Numbers,
 }
 
 impl Ppo {
@@ -71,6 +74,7 @@ impl Ppo {
             log_std,
             optimizer,
             chance: Stream::new(EpisodeKey { seed, episode: 0 }, "train/chance"),
+            noise: Noise::new(settings.noise_correlation),
             rollout: Rollout::default(),
             means: Means::default(),
             critics_first: 0,
@@ -120,12 +124,13 @@ impl Ppo {
             let observed = tape.columns(seen, 0..width);
             let mean = self.policy.forward(tape, parameters, observed);
             let log_std = tape.parameter(slots, self.log_std.clone(), parameters);
-            let chance = &mut self.chance;
+            let noise = self.noise.next(slots * entries, &mut self.chance);
             let drawn: Vec<f32> = tape
                 .values(mean)
                 .iter()
                 .zip(tape.values(log_std))
-                .map(|(mean, log_std)| mean + libm::expf(*log_std) * chance.normal() as f32)
+                .zip(noise)
+                .map(|((mean, log_std), noise)| mean + libm::expf(*log_std) * noise)
                 .collect();
             let action = tape.constant(slots, entries, drawn.iter().copied());
             let density = gaussian_log_density(tape, mean, log_std, action);
@@ -260,14 +265,19 @@ impl Ppo {
     }
 
     pub fn state(&self) -> PpoState {
-        let (parameters, optimizer, chance) = (self.networks.state(), self.optimizer.clone(), self.chance.clone());
-        PpoState { parameters, optimizer, chance }
+        PpoState {
+            parameters: self.networks.state(),
+            optimizer: self.optimizer.clone(),
+            chance: self.chance.clone(),
+            noise: self.noise.state(),
+        }
     }
 
     /// # Errors
     /// Other sizes.
     pub fn restore(&mut self, state: PpoState) -> Result<(), String> {
         self.networks.restore(&state.parameters)?;
+        self.noise.restore(state.noise);
         (self.optimizer, self.chance) = (state.optimizer, state.chance);
         Ok(())
     }

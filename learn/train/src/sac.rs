@@ -8,6 +8,7 @@ use crate::agent::Actor;
 use crate::error::TrainError;
 use crate::head::Head;
 use crate::learner::{Losses, Means, Networks, Optimizer};
+use crate::noise::Noise;
 use crate::numbers::Numbers;
 use crate::play::Play;
 use crate::replay::Replay;
@@ -39,6 +40,7 @@ pub(crate) struct Sac {
     optimizers: [Optimizer; 3],
     replay: Replay,
     chance: Stream,
+    noise: Noise,
     /// Gradient steps that are due, and those that were taken.
     due: f64,
     updates: u64,
@@ -56,6 +58,7 @@ pub(crate) struct SacState<'a> {
     optimizers: [Optimizer; 3],
     replay: Cow<'a, Replay>,
     chance: Stream,
+    noise: Numbers,
     due: f64,
     updates: u64,
 }
@@ -99,6 +102,7 @@ impl Sac {
             optimizers,
             replay: Replay::new(settings, settings.sac.replay, [whole, entries, play.terms()]),
             chance: Stream::new(EpisodeKey { seed, episode: 0 }, "train/chance"),
+            noise: Noise::new(settings.noise_correlation),
             due: 0.0,
             updates: 0,
             means: Means::default(),
@@ -156,7 +160,8 @@ impl Sac {
         let Networks { tape, parameters, .. } = &mut self.networks;
         tape.clear();
         let seen = tape.constant(slots, whole, rows);
-        let [action, _] = sample(tape, (&self.head, &self.actor), parameters, (seen, width), chance);
+        let mut noise = self.noise.next(slots * self.head.draws(), chance).iter().copied();
+        let [action, _] = sample(tape, (&self.head, &self.actor), parameters, (seen, width), &mut noise);
         tape.values(action).to_vec()
     }
 
@@ -218,7 +223,8 @@ impl Sac {
         let Batch { rows, seen, action, next, reward, discounts } = self.batch(play);
         let Networks { tape, parameters, .. } = &mut self.networks;
         tape.set_training(false);
-        let [next_action, density] = sample(tape, (&self.head, &self.actor), parameters, (next, width), &mut self.chance);
+        let mut noise = std::iter::repeat_with(|| self.chance.normal() as f32);
+        let [next_action, density] = sample(tape, (&self.head, &self.actor), parameters, (next, width), &mut noise);
         let after = tape.join(next, next_action);
         let [first, second] = [0, 1].map(|index: usize| self.targets[index].forward(tape, parameters, after));
         let lesser = tape.minimum(first, second);
@@ -258,7 +264,8 @@ impl Sac {
         let alpha = self.temperature();
         let Batch { rows, seen, .. } = self.batch(play);
         let Networks { tape, parameters, .. } = &mut self.networks;
-        let [action, density] = sample(tape, (&self.head, &self.actor), parameters, (seen, width), &mut self.chance);
+        let mut noise = std::iter::repeat_with(|| self.chance.normal() as f32);
+        let [action, density] = sample(tape, (&self.head, &self.actor), parameters, (seen, width), &mut noise);
         tape.set_training(false);
         let chosen = tape.join(seen, action);
         let [first, second] = [0, 1].map(|index: usize| self.critics[index].forward(tape, parameters, chosen));
@@ -301,6 +308,7 @@ impl Sac {
             optimizers: self.optimizers.clone(),
             replay: Cow::Borrowed(&self.replay),
             chance: self.chance.clone(),
+            noise: self.noise.state(),
             due: self.due,
             updates: self.updates,
         }
@@ -311,21 +319,22 @@ impl Sac {
     pub fn restore(&mut self, state: SacState<'_>) -> Result<(), String> {
         self.networks.restore(&state.parameters)?;
         self.replay.restore(state.replay.into_owned())?;
+        self.noise.restore(state.noise);
         (self.optimizers, self.chance) = (state.optimizers, state.chance);
         (self.due, self.updates) = (state.due, state.updates);
         Ok(())
     }
 }
 
-/// An action of the actor for each row, and the logarithm of its density.
+/// An action of the actor for each row, drawn by standard normal numbers, and the logarithm of its density.
 fn sample(
     tape: &mut Tape,
     (head, actor): (&Head, &Mlp),
     parameters: &Parameters,
     (seen, width): (Variable, usize),
-    chance: &mut Stream,
+    noise: &mut dyn Iterator<Item = f32>,
 ) -> [Variable; 2] {
     let observed = tape.columns(seen, 0..width);
     let output = actor.forward(tape, parameters, observed);
-    head.sample(tape, output, chance)
+    head.sample(tape, output, noise)
 }

@@ -52,6 +52,7 @@ fn small(algorithm: Algorithm) -> Settings {
     settings.episodes = 3;
     settings.hidden = vec![16, 16];
     settings.critic_hidden = Vec::new();
+    settings.noise_correlation = 0.5;
     settings.dynsyn.groups = 4;
     settings.dynsyn.rollout = 200;
     settings.ppo.horizon = 40;

@@ -12,7 +12,6 @@ pub(crate) use groups::find;
 use crate::learner::draw_squashed;
 use crate::settings::DynsynSettings;
 use msk_network::{Tape, Variable};
-use msk_runtime::episode::Stream;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
@@ -136,15 +135,15 @@ impl Synergies {
     }
 
     /// Actions with chance, and the logarithm of the density of the groups': [rows, entries] and [rows, 1]. The output has the logarithm
-    /// of the deviation of each group besides. The noise of weights is not counted.
-    pub(crate) fn sample(&self, tape: &mut Tape, output: Variable, chance: &mut Stream) -> [Variable; 2] {
+    /// of the deviation of each group besides. The noise of weights is not counted, and comes after that of groups.
+    pub(crate) fn sample(&self, tape: &mut Tape, output: Variable, noise: &mut dyn Iterator<Item = f32>) -> [Variable; 2] {
         let (mean, log_std) = (0..self.count, self.outputs()..self.outputs() + self.count);
         let (mean, log_std) = (tape.columns(output, mean), tape.columns(output, log_std));
-        let [groups, density] = draw_squashed(tape, mean, log_std, chance);
+        let [groups, density] = draw_squashed(tape, mean, log_std, noise);
         let weights = tape.columns(output, self.count..self.outputs());
         let [rows, entries] = tape.size(weights);
         let std = libm::expf(WEIGHT_LOG_STD);
-        let noise = tape.constant(rows, entries, (0..rows * entries).map(|_| std * chance.normal() as f32));
+        let noise = tape.constant(rows, entries, noise.take(rows * entries).map(|noise| std * noise));
         let weights = tape.add(weights, noise);
         [self.weigh(tape, groups, weights), density]
     }
@@ -168,6 +167,7 @@ mod tests {
     use super::*;
     use msk_network::Processor;
     use msk_runtime::episode::EpisodeKey;
+    use msk_runtime::episode::Stream;
     use std::num::NonZeroUsize;
 
     fn tape() -> Tape {
@@ -212,7 +212,8 @@ mod tests {
             let output = [0.1, -0.2, weights, weights, weights, -1.0, -2.0];
             let seen = tape.constant(1, 7, output);
             let mut chance = Stream::new(EpisodeKey::default(), "test");
-            let [action, density] = synergies.sample(&mut tape, seen, &mut chance);
+            let mut noise = std::iter::repeat_with(|| chance.normal() as f32);
+            let [action, density] = synergies.sample(&mut tape, seen, &mut noise);
             assert_eq!(tape.size(action), [1, 3]);
             tape.values(density)[0].to_bits()
         };

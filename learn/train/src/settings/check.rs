@@ -9,8 +9,9 @@ impl Settings {
     pub(crate) fn check(&self, text: &str) -> Result<(), SettingsError> {
         let checked = Checked::of(text);
         let Self { ppo, sac, dynsyn, mpo, dep, clone, .. } = self;
-        let numbers: [(&'static str, f64, RangeInclusive<f64>); 37] = [
+        let numbers: [(&'static str, f64, RangeInclusive<f64>); 38] = [
             ("discount", self.discount, 0.0..=1.0),
+            ("noise_correlation", self.noise_correlation, 0.0..=0.9999),
             ("learning_rate", ppo.learning_rate, 1e-8..=1.0),
             ("lambda", ppo.lambda, 0.0..=1.0),
             ("clip", ppo.clip, 1e-3..=10.0),

@@ -103,6 +103,8 @@ pub struct Settings {
     pub normalize_observations: bool,
     /// Whether rewards are divided by the running deviation of the discounted return.
     pub normalize_rewards: bool,
+    /// Share of the noise of actions that is left in the next control step: 0 for noise that is new every time.
+    pub noise_correlation: f64,
     /// Control steps from one evaluation to the next.
     pub evaluate_every: u64,
     /// Episodes of an evaluation.

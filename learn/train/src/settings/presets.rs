@@ -42,6 +42,7 @@ impl Settings {
             discount: 0.99,
             normalize_observations: true,
             normalize_rewards: algorithm == Algorithm::Ppo,
+            noise_correlation: 0.0,
             evaluate_every: 50_000,
             evaluation_episodes: 10,
             checkpoint_every: 50_000,

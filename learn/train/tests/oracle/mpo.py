@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Golden numbers for a test of `learn/train/src/mpo.rs`: the step M of MPO over all samples, with PyTorch.
+"""Golden numbers for a test of `learn/train/src/mpo/steps.rs`: the step M of MPO over all samples, with PyTorch.
 
     pip install torch==2.15.0
     python learn/train/tests/oracle/mpo.py > learn/train/tests/golden/mpo.json
