@@ -60,6 +60,9 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
             writeln!(out, "body       {} ({})", known.body, known.body_hash)?;
             writeln!(out, "learned    {}, {} control steps, seed {}", known.algorithm, known.steps, known.seed)?;
             writeln!(out, "network    {}", agent.sizes())?;
+            if known.action_repeat > 1 {
+                writeln!(out, "actions    last for {} control steps", known.action_repeat)?;
+            }
             if let Some(found) = known.evaluation {
                 let (success, total) = (for_people(100.0 * found.success), for_people(found.total));
                 writeln!(out, "evaluated  return {total}, {success} % of {} episodes succeeded", found.episodes)?;

@@ -37,11 +37,15 @@ class Agent:
 
     def _adopt(self, native: _native.Agent) -> None:
         self._native = native
-        #: Name of the task that it was trained on, algorithm, random seed, control steps.
-        self.task, self.algorithm, self.seed, self.steps = native.description()
+        #: Name of the task that it was trained on, algorithm, random seed, control steps of the training, and those that an action lasts for.
+        self.task, self.algorithm, self.seed, self.steps, self.action_repeat = native.description()
 
     def act(self, observation: NDArray[Any]) -> NDArray[Any]:
-        """The action, float32 in [-1, 1], of shape (entries,) for an observation (numbers,), or (slots, entries) for (slots, numbers)."""
+        """The action, float32 in [-1, 1], of shape (entries,) for an observation (numbers,), or (slots, entries) for (slots, numbers).
+
+        An agent whose ``action_repeat`` is more than 1 is meant to be asked in every so many control steps of an episode, from the first one
+        on, and its action to be repeated in between.
+        """
         return self._native.act(observation)
 
     def predict(

@@ -51,10 +51,10 @@ impl Agent {
         Self::new(agents.best(task.engine()).map_err(PyValueError::new_err)?)
     }
 
-    /// (task, algorithm, seed, control steps).
-    fn description(&self) -> (String, String, u64, u64) {
+    /// (task, algorithm, seed, control steps, control steps that an action lasts for).
+    fn description(&self) -> (String, String, u64, u64, u32) {
         let known = &self.agent.description;
-        (known.task.clone(), known.algorithm.clone(), known.seed, known.steps)
+        (known.task.clone(), known.algorithm.clone(), known.seed, known.steps, known.action_repeat)
     }
 
     /// Actions within [-1, 1], one for each observation.

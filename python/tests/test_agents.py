@@ -14,7 +14,7 @@ def stand() -> msk.Task:
 
 def test_a_built_in_agent_stands(stand: msk.Task):
     agent = msk.Agent.built_in(stand)
-    assert (agent.task, agent.algorithm) == ("stand", "clone") and "stand" in repr(agent)
+    assert (agent.task, agent.algorithm, agent.action_repeat) == ("stand", "clone", 1) and "stand" in repr(agent)
     env = msk.make(stand)
     ended = {}
     for name, act in {"agent": agent.act, "rest": lambda _: np.full(416, -1, np.float32)}.items():

@@ -1,6 +1,6 @@
 //! How an agent does without chance: episodes that no learner has seen, played with the mean of the actions.
 
-use crate::agent::Actor;
+use crate::agent::Agent;
 use crate::error::TrainError;
 use msk_network::Tape;
 use msk_program::numbers::exact;
@@ -56,7 +56,7 @@ impl Evaluator {
     }
 
     /// Plays the episodes, the same ones every time; `None` if `stop` became true meanwhile.
-    pub fn play(&mut self, actor: &Actor, tape: &mut Tape, stop: &AtomicBool) -> Result<Option<Evaluation>, TrainError> {
+    pub fn play(&mut self, agent: &Agent, tape: &mut Tape, stop: &AtomicBool) -> Result<Option<Evaluation>, TrainError> {
         let slots = self.environment.episodes().len();
         let mut actions = vec![0.0; slots * self.environment.engine().action_size()];
         let (mut successes, mut total, mut steps) = (0_usize, 0.0, 0.0);
@@ -65,7 +65,7 @@ impl Evaluator {
             let key = |slot: usize| EpisodeKey { seed: self.seed, episode: (first + slot) as u64 };
             let keys: Vec<Option<EpisodeKey>> = (0..count).map(|slot| Some(key(slot))).collect();
             self.environment.reset_to(&keys);
-            loop {
+            for step in 0.. {
                 let left = self.environment.episodes().take(count).any(|episode| episode.ending().is_none());
                 if !left {
                     break;
@@ -73,7 +73,9 @@ impl Evaluator {
                 if stop.load(Ordering::Relaxed) {
                     return Ok(None);
                 }
-                actor.act(tape, &self.environment.last().observations, &mut actions);
+                if agent.acts_at(step) {
+                    agent.actor().act(tape, &self.environment.last().observations, &mut actions);
+                }
                 self.environment.step(&actions)?;
             }
             for episode in self.environment.episodes().take(count) {

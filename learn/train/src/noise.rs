@@ -6,14 +6,14 @@ use msk_runtime::episode::Stream;
 /// Standard normal numbers, one for each entry of an action of each slot, that may be correlated in time: an autoregressive process of
 /// first order, x' = rho x + sqrt(1 - rho^2) n, whose variance stays 1.
 ///
-/// What acts slowly, such as muscles or the pace of a gait, averages noise that is new in every control step, and hardly moves. With
+/// What acts slowly, such as muscles or the pace of a gait, averages noise that is new every time, and hardly moves. With
 /// correlated noise an off-policy learner learns from what it sees as from any other data (Eberhard et al. 2023). PPO goes on
 /// to weigh each action by its density alone, as if there were no others (Hollenstein et al. 2024, arXiv 2312.11091).
 #[derive(Debug, Default)]
 pub(crate) struct Noise {
-    /// rho: the share of a number that is left in the next control step.
+    /// rho: the share of a number that is left in the next one.
     correlation: f32,
-    /// Those of the last control step, slot by slot; none before the first.
+    /// Those of the last action, slot by slot; none before the first.
     last: Vec<f32>,
 }
 
@@ -22,7 +22,7 @@ impl Noise {
         Self { correlation: correlation as f32, last: Vec::new() }
     }
 
-    /// The numbers of the next control step: `count` of them, always as many.
+    /// The numbers of the next action: `count` of them, always as many.
     pub fn next(&mut self, count: usize, chance: &mut Stream) -> &[f32] {
         // The first are drawn like all others: the process begins as it goes on.
         let kept = if self.last.is_empty() { 0.0 } else { self.correlation };
@@ -48,7 +48,7 @@ mod tests {
     use super::*;
     use msk_runtime::episode::EpisodeKey;
 
-    /// Mean square, and mean product with the number of the next control step, over many control steps of two entries.
+    /// Mean square, and mean product with the next number, over many actions of two entries.
     fn moments(correlation: f64) -> [f64; 2] {
         let (mut noise, mut chance) = (Noise::new(correlation), Stream::new(EpisodeKey::default(), "test"));
         let steps: Vec<Vec<f32>> = (0..100_000).map(|_| noise.next(2, &mut chance).to_vec()).collect();

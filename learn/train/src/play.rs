@@ -4,7 +4,7 @@ use crate::agent::Actor;
 use crate::error::TrainError;
 use crate::settings::Settings;
 use msk_network::{Moments, Normaliser};
-use msk_runtime::episode::{AutoresetMode, Ending, Engine, Episode, EpisodeEnd, EpisodeKey, VectorEnvironment, VectorStep};
+use msk_runtime::episode::{Ending, Engine, Episode, EpisodeEnd, EpisodeKey, VectorEnvironment};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
@@ -19,11 +19,29 @@ pub(crate) struct Play {
     normalizes: [bool; 2],
     /// Present rows, slot after slot: as measured.
     rows: Vec<f64>,
-    /// The last rows of the episodes that ended in the last step, in their slots.
+    /// The last rows of the episodes that ended, in their slots, when one last did.
     pub final_rows: Vec<f64>,
     actions: Vec<f64>,
+    /// Control steps that an action lasts for.
+    repeat: usize,
+    outcome: Outcome,
     /// Episodes that ended since they were last taken.
     pub ends: Vec<EpisodeEnd>,
+}
+
+/// What came of the last actions, slot by slot.
+#[derive(Debug)]
+pub(crate) struct Outcome {
+    /// Sum of the rewards.
+    pub rewards: Vec<f64>,
+    /// Sum of the values of each term before its weight; a step that met a fault adds nothing.
+    pub values: Vec<f64>,
+    /// Whether the episode ended. The next one has begun then.
+    pub ended: Vec<bool>,
+    /// Whether it ended so that what would have followed has no value.
+    pub terminated: Vec<bool>,
+    /// Whether it ended so that its last row tells the value of what would have followed.
+    pub truncated: Vec<bool>,
 }
 
 /// The discounted return of each slot and the deviation of all: what rewards are divided by.
@@ -48,19 +66,27 @@ pub(crate) struct PlayState {
 impl Play {
     pub fn new(engine: &Engine, settings: &Settings, seed: u64, threads: NonZeroUsize) -> Result<Self, TrainError> {
         let slots = NonZeroUsize::new(settings.episodes).unwrap_or(NonZeroUsize::MIN);
-        let mut environment = VectorEnvironment::new(engine.clone(), slots, threads)?.with_autoreset(AutoresetMode::SameStep);
+        let mut environment = VectorEnvironment::new(engine.clone(), slots, threads)?;
         environment.reset(seed);
-        let task = engine.task();
+        let (task, count) = (engine.task(), slots.get());
         let width = task.observation_size() + task.critic_size();
         let mut play = Self {
             environment,
             // Before anything was seen it only clips, and what is measured is finite.
             normaliser: Normaliser::new(width, if settings.normalize_observations { CLIP } else { f64::from(f32::MAX) }),
-            returns: Returns { discount: settings.discount, running: vec![0.0; slots.get()], moments: Moments::default() },
+            returns: Returns { discount: settings.action_discount(), running: vec![0.0; count], moments: Moments::default() },
             normalizes: [settings.normalize_observations, settings.normalize_rewards],
             rows: Vec::new(),
             final_rows: Vec::new(),
-            actions: vec![0.0; slots.get() * engine.action_size()],
+            actions: vec![0.0; count * engine.action_size()],
+            repeat: settings.action_repeat,
+            outcome: Outcome {
+                rewards: vec![0.0; count],
+                values: vec![0.0; count * task.terms.len()],
+                ended: vec![false; count],
+                terminated: vec![false; count],
+                truncated: vec![false; count],
+            },
             ends: Vec::new(),
         };
         play.look();
@@ -140,13 +166,40 @@ impl Play {
         }
     }
 
-    /// Takes a control step in every slot; [`last`](Self::last) has what came of it.
+    /// Control steps of [`step`](Self::step), in all slots together.
+    pub fn span(&self) -> u64 {
+        (self.repeat * self.slots()) as u64
+    }
+
+    /// Takes the control steps of an action in every slot, up to the end of its episode; [`outcome`](Self::outcome) has what came of it.
     pub fn step(&mut self, actions: &[f32]) -> Result<(), TrainError> {
         self.actions.iter_mut().zip(actions).for_each(|(entry, action)| *entry = f64::from(*action));
-        let step = self.environment.step(&self.actions)?;
-        self.ends.extend_from_slice(&step.ends);
+        let (terms, [whole, width]) = (self.terms(), self.widths());
+        let Self { environment, outcome, ends, .. } = self;
+        outcome.rewards.fill(0.0);
+        outcome.values.fill(0.0);
+        for _ in 0..self.repeat {
+            let over: Vec<bool> = environment.episodes().map(|episode| episode.ending().is_some()).collect();
+            let step = environment.step(&self.actions)?;
+            ends.extend_from_slice(&step.ends);
+            outcome.rewards.iter_mut().zip(&step.rewards).for_each(|(sum, reward)| *sum += reward);
+            let stepped = environment.episodes().enumerate().filter(|(slot, _)| !over[*slot]);
+            for (slot, episode) in stepped.filter(|(_, episode)| !matches!(episode.ending(), Some(Ending::Fault(_)))) {
+                let sums = outcome.values[slot * terms..].iter_mut();
+                sums.zip(&episode.report().terms).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        let step = environment.last();
+        outcome.terminated.clone_from(&step.terminated);
+        outcome.truncated.clone_from(&step.truncated);
+        let flags = step.terminated.iter().zip(&step.truncated);
+        outcome.ended.iter_mut().zip(flags).for_each(|(ended, (terminated, truncated))| *ended = *terminated || *truncated);
+        if outcome.ended.contains(&true) {
+            beside(&step.observations, &step.critic_observations, [width, whole - width], &mut self.final_rows);
+            environment.reset_where(&outcome.ended);
+        }
         let Returns { discount, running, moments } = &mut self.returns;
-        for ((running, reward), ended) in running.iter_mut().zip(&step.rewards).zip(&step.ended) {
+        for ((running, reward), ended) in running.iter_mut().zip(&outcome.rewards).zip(&outcome.ended) {
             *running = *discount * *running + reward;
             moments.add(*running);
             if *ended {
@@ -157,27 +210,14 @@ impl Play {
         Ok(())
     }
 
-    /// Of the last step, slot after slot: the value of each term before its weight, 0 where a fault ended the episode.
-    pub fn values(&self) -> Vec<f64> {
-        let terms = self.terms();
-        let padded = |found: &[f64]| (0..terms).map(|term| found.get(term).copied().unwrap_or_default()).collect::<Vec<_>>();
-        let mut values: Vec<f64> = self.environment.episodes().flat_map(|episode| padded(&episode.report().terms)).collect();
-        // The slots of episodes that have ended hold the next ones already.
-        for end in &self.environment.last().ends {
-            let faulty = matches!(end.ending, Ending::Fault(_));
-            let own = if faulty { vec![0.0; terms] } else { padded(&end.terms) };
-            values[end.slot * terms..(end.slot + 1) * terms].copy_from_slice(&own);
-        }
-        values
-    }
-
     /// The present episodes, slot by slot.
     pub fn episodes(&self) -> impl Iterator<Item = &Episode> {
         self.environment.episodes()
     }
 
-    pub fn last(&self) -> &VectorStep {
-        self.environment.last()
+    /// What came of the last actions.
+    pub fn outcome(&self) -> &Outcome {
+        &self.outcome
     }
 
     /// Takes in what the environments show.
@@ -185,7 +225,6 @@ impl Play {
         let [whole, width] = self.widths();
         let step = self.environment.last();
         beside(&step.observations, &step.critic_observations, [width, whole - width], &mut self.rows);
-        beside(&step.final_observations, &step.final_critic_observations, [width, whole - width], &mut self.final_rows);
         if self.normalizes[0] {
             self.normaliser.update(&self.rows);
         }

@@ -44,6 +44,8 @@ struct AgentPolicy {
     tape: Tape,
     /// What was chosen last, and for which task.
     chosen: Option<(Arc<CompiledTask>, Arc<Agent>)>,
+    /// Its last action in the episode; empty before the first.
+    last: Vec<f64>,
 }
 
 impl Policy for AgentPolicy {
@@ -52,6 +54,7 @@ impl Policy for AgentPolicy {
     }
 
     fn reset(&mut self, context: &PolicyContext<'_>) -> Result<(), PolicyError> {
+        self.last.clear();
         let task = context.engine.task();
         if self.chosen.as_ref().is_some_and(|(known, _)| Arc::ptr_eq(known, task)) {
             return Ok(());
@@ -64,7 +67,12 @@ impl Policy for AgentPolicy {
     fn act(&mut self, context: &PolicyContext<'_>, action: &mut [f64]) -> Result<(), PolicyError> {
         let early = || PolicyError::Failed { policy: self.name.clone(), reason: "it has not been reset".into() };
         let (_, agent) = self.chosen.as_ref().ok_or_else(early)?;
-        agent.actor().act(&mut self.tape, context.observation, action);
+        if self.last.is_empty() || agent.acts_at(context.step) {
+            agent.actor().act(&mut self.tape, context.observation, action);
+            self.last.clear();
+            self.last.extend_from_slice(action);
+        }
+        action.copy_from_slice(&self.last);
         Ok(())
     }
 }
@@ -80,7 +88,7 @@ struct Maker {
 impl PolicyMaker for Maker {
     fn open<'a>(&self, _: &'a AtomicBool) -> Result<Box<dyn Policy + 'a>, PolicyError> {
         let tape = Tape::new(self.kernel.clone());
-        Ok(Box::new(AgentPolicy { name: self.name.clone(), choice: self.choice.clone(), tape, chosen: None }))
+        Ok(Box::new(AgentPolicy { name: self.name.clone(), choice: self.choice.clone(), tape, chosen: None, last: Vec::new() }))
     }
 }
 

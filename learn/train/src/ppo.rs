@@ -32,7 +32,7 @@ pub(crate) struct Ppo {
     critics_first: u64,
 }
 
-/// What is remembered between two updates: a row per control step and slot, in the order of steps.
+/// What is remembered between two updates: a row per action and slot, in the order of time.
 #[derive(Default)]
 struct Rollout {
     seen: Vec<f32>,
@@ -67,7 +67,7 @@ impl Ppo {
         let optimizer = Optimizer::new(0..networks.parameters.len(), settings.ppo.gradient_norm as f32, 1e-5);
         Self {
             settings: settings.ppo.clone(),
-            discount: settings.discount,
+            discount: settings.action_discount(),
             networks,
             policy,
             value,
@@ -88,8 +88,8 @@ impl Ppo {
     }
 
     /// Control steps of a round, in all slots together.
-    pub fn round_steps(&self, slots: usize) -> u64 {
-        (self.settings.horizon * slots) as u64
+    pub fn round_steps(&self, play: &Play) -> u64 {
+        self.settings.horizon as u64 * play.span()
     }
 
     /// Plays, and learns from what was played. `progress` is the share of the training that has passed.
@@ -110,7 +110,7 @@ impl Ppo {
         tape.values(values).to_vec()
     }
 
-    /// Plays `horizon` steps in every slot with actions of the present policy.
+    /// Plays `horizon` actions of the present policy in every slot.
     fn play(&mut self, play: &mut Play) -> Result<(), TrainError> {
         let ([whole, width], slots, entries) = (play.widths(), play.slots(), play.entries());
         let mut rows = vec![0.0; slots * whole];
@@ -139,12 +139,12 @@ impl Ppo {
             self.rollout.values.extend_from_slice(tape.values(values));
             play.step(&drawn)?;
             self.rollout.actions.extend(drawn);
-            let last = play.last();
-            self.rollout.ended.extend_from_slice(&last.ended);
-            let mut rewards: Vec<f32> = last.rewards.iter().map(|reward| play.scaled(*reward)).collect();
+            let outcome = play.outcome();
+            self.rollout.ended.extend_from_slice(&outcome.ended);
+            let mut rewards: Vec<f32> = outcome.rewards.iter().map(|reward| play.scaled(*reward)).collect();
             // A truncated episode would have gone on: its last state has a value (Pardo et al. 2018).
-            if last.truncated.contains(&true) {
-                let truncated = last.truncated.clone();
+            if outcome.truncated.contains(&true) {
+                let truncated = outcome.truncated.clone();
                 play.normalize(&play.final_rows, &mut rows);
                 let finals = self.values_of(&rows, whole);
                 for ((reward, value), _) in rewards.iter_mut().zip(finals).zip(truncated).filter(|(_, truncated)| *truncated) {

@@ -22,8 +22,8 @@ use std::sync::Arc;
 
 /// Logarithm of the standard deviation, before squashing, of one that begins as an agent.
 const STARTING_LOG_STD: f32 = -2.0;
-/// Control steps of each slot in a round, which is what a report is about and no part of the algorithm.
-const ROUND: usize = 128;
+/// Actions of each slot in a round, which is what a report is about and no part of the algorithm.
+const ROUND: u64 = 128;
 
 /// The learner.
 pub(crate) struct Sac {
@@ -92,7 +92,7 @@ impl Sac {
         let decay = settings.sac.weight_decay;
         let optimizers = [optimizer(actor.range(), decay), optimizer(both, decay), optimizer(temperature.clone(), 0.0)];
         Self {
-            discount: settings.discount,
+            discount: settings.action_discount(),
             head,
             networks,
             actor,
@@ -107,7 +107,8 @@ impl Sac {
             updates: 0,
             means: Means::default(),
             rate: 1.0,
-            settings: settings.sac.clone(),
+            // From here on in control steps.
+            settings: SacSettings { start: settings.sac.start * settings.action_repeat, ..settings.sac.clone() },
             critics_first: None,
         }
     }
@@ -120,18 +121,18 @@ impl Sac {
     }
 
     /// Control steps of a round, in all slots together.
-    pub fn round_steps(&self, slots: usize) -> u64 {
-        (ROUND * slots) as u64
+    pub fn round_steps(&self, play: &Play) -> u64 {
+        ROUND * play.span()
     }
 
-    /// Plays, and learns after every control step.
+    /// Plays, and learns after every action.
     pub fn round(&mut self, play: &mut Play, progress: f64, step: u64) -> Result<Losses, TrainError> {
         self.head.set_progress(progress);
         let left = 1.0 - progress;
         self.rate = if left > self.settings.anneal { left } else { self.settings.anneal };
         let mut before = Vec::new();
         for round in 0..ROUND {
-            let step = step + (round * play.slots()) as u64;
+            let step = step + round * play.span();
             let actions = self.act(play, step);
             before.clear();
             before.extend_from_slice(play.rows());
@@ -165,16 +166,16 @@ impl Sac {
         tape.values(action).to_vec()
     }
 
-    /// Keeps the transitions of a step.
+    /// Keeps the transitions of an action.
     fn remember(&mut self, play: &Play, before: &[f64], actions: &[f32]) {
         let ([whole, _], entries, terms) = (play.widths(), play.entries(), play.terms());
-        let (last, values) = (play.last(), play.values());
+        let outcome = play.outcome();
         for slot in 0..play.slots() {
             let part = slot * whole..(slot + 1) * whole;
-            let next = if last.ended[slot] { &play.final_rows } else { play.rows() };
+            let next = if outcome.ended[slot] { &play.final_rows } else { play.rows() };
             let action = &actions[slot * entries..(slot + 1) * entries];
-            let discount = if last.terminated[slot] { 0.0 } else { self.discount as f32 };
-            let values = &values[slot * terms..(slot + 1) * terms];
+            let discount = if outcome.terminated[slot] { 0.0 } else { self.discount as f32 };
+            let values = &outcome.values[slot * terms..(slot + 1) * terms];
             self.replay.push(&before[part.clone()], action, &next[part], values, discount);
         }
     }

@@ -292,11 +292,11 @@ impl Training {
         let progress = if share < 1.0 { share } else { 1.0 };
         self.play.set_progress(progress)?;
         let (losses, steps) = match &mut self.learner {
-            Learner::Ppo(ppo) => (ppo.round(&mut self.play, progress, self.step)?, ppo.round_steps(self.play.slots())),
-            Learner::Sac(sac) => (sac.round(&mut self.play, progress, self.step)?, sac.round_steps(self.play.slots())),
+            Learner::Ppo(ppo) => (ppo.round(&mut self.play, progress, self.step)?, ppo.round_steps(&self.play)),
+            Learner::Sac(sac) => (sac.round(&mut self.play, progress, self.step)?, sac.round_steps(&self.play)),
             Learner::Mpo(mpo) => {
                 let losses = mpo.round(&mut self.play, &self.identity.settings, self.step)?;
-                (losses, mpo.round_steps(self.play.slots()))
+                (losses, mpo.round_steps(&self.play))
             }
             Learner::Imitation(imitation) => imitation.round(&mut self.play, progress, self.step)?,
         };
@@ -317,7 +317,7 @@ impl Training {
             Learner::Mpo(mpo) => mpo.actor(&self.play),
             Learner::Imitation(imitation) => imitation.actor(&self.play),
         };
-        Agent::new(&self.engine, actor, (self.identity.settings.algorithm.name(), self.identity.seed, self.step))
+        Agent::new(&self.engine, actor, &self.identity, self.step)
     }
 
     /// Plays the episodes of an evaluation; `None` if `stop` became true meanwhile.
@@ -325,7 +325,7 @@ impl Training {
     /// # Errors
     /// None that can be known.
     pub fn evaluate(&mut self, agent: &Agent, stop: &AtomicBool) -> Result<Option<Evaluation>, TrainError> {
-        self.evaluator.play(agent.actor(), &mut self.tape, stop)
+        self.evaluator.play(agent, &mut self.tape, stop)
     }
 
     /// Whether it can be continued from any round. Where it cannot (a controller stands between policy and body), episodes begin anew

@@ -2,6 +2,7 @@
 //! that stay finite, and that something is learned.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
+mod repeats;
 mod synergies;
 
 use msk_compiler::compile;
@@ -53,6 +54,8 @@ fn small(algorithm: Algorithm) -> Settings {
     settings.hidden = vec![16, 16];
     settings.critic_hidden = Vec::new();
     settings.noise_correlation = 0.5;
+    // One of them acts in every second control step.
+    settings.action_repeat = if algorithm == Algorithm::Sac { 2 } else { 1 };
     settings.dynsyn.groups = 4;
     settings.dynsyn.rollout = 200;
     settings.ppo.horizon = 40;

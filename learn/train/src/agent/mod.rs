@@ -12,6 +12,7 @@ use crate::curve;
 use crate::dynsyn::Synergies;
 use crate::evaluate::Evaluation;
 use crate::onnx;
+use crate::training::Identity;
 use msk_network::Shape;
 use msk_network::file::{Precision, TensorFile};
 use msk_program::digest::hexadecimal;
@@ -53,6 +54,9 @@ pub struct Description {
     squash: bool,
     /// Bound of normalised observations.
     clip: f32,
+    /// Control steps that an action lasts for.
+    #[serde(default = "one")]
+    pub action_repeat: u32,
     /// How it did when it was last evaluated.
     pub evaluation: Option<Evaluation>,
     /// The groups of entries through which it acts, if it does.
@@ -60,6 +64,11 @@ pub struct Description {
     synergies: Option<Synergies>,
     network: Shape,
     observation: Vec<Channel>,
+}
+
+/// What agents of earlier versions mean by saying nothing.
+fn one() -> u32 {
+    1
 }
 
 /// A channel of the observation.
@@ -144,6 +153,9 @@ impl Description {
         if !(description.clip.is_finite() && description.clip > 0.0) {
             return Err(invalid(format!("bounds observations by {}: expected a number greater than 0", description.clip)));
         }
+        if description.action_repeat == 0 {
+            return Err(invalid("repeats an action for 0 control steps: expected at least 1".into()));
+        }
         if let Some(wrong) = description.evaluation.and_then(|found| found.wrong()) {
             return Err(invalid(format!("describes an evaluation {wrong}")));
         }
@@ -186,24 +198,30 @@ fn channels(task: &CompiledTask) -> Vec<Channel> {
 
 impl Agent {
     /// An agent for the task of an engine.
-    pub(crate) fn new(engine: &Engine, actor: Actor, (algorithm, seed, steps): (&str, u64, u64)) -> Self {
+    pub(crate) fn new(engine: &Engine, actor: Actor, training: &Identity, steps: u64) -> Self {
         let task = engine.task();
         let description = Description {
             task: task.name.clone(),
             task_hash: task.hash.clone(),
             body: task.body.name.clone(),
             body_hash: body_hash(engine),
-            algorithm: algorithm.to_owned(),
-            seed,
+            algorithm: training.settings.algorithm.name().to_owned(),
+            seed: training.seed,
             steps,
             squash: actor.output.squashes(),
             clip: actor.clip,
+            action_repeat: u32::try_from(training.settings.action_repeat).unwrap_or(u32::MAX),
             evaluation: None,
             synergies: actor.output.synergies().cloned(),
             network: actor.network.shape().clone(),
             observation: channels(task),
         };
         Self { description, actor }
+    }
+
+    /// Whether it chooses an action at a control step of an episode, counted from 0; at the others it repeats the last one.
+    pub fn acts_at(&self, step: u32) -> bool {
+        step.is_multiple_of(self.description.action_repeat)
     }
 
     /// What acts.
@@ -289,8 +307,11 @@ impl Agent {
         let known = &self.description;
         // Strings and numbers always have a JSON form.
         let channels = serde_json::to_string(&known.observation).unwrap_or_default();
-        let remarks = [("task", &known.task), ("task_hash", &known.task_hash), ("body", &known.body), ("observation", &channels)];
-        let remarks = remarks.map(|(key, value)| (key.to_owned(), value.clone()));
+        let (task, repeat) = (known.task.clone(), known.action_repeat.to_string());
+        let remarks = [("task", task), ("task_hash", known.task_hash.clone()), ("body", known.body.clone())];
+        let more = [("observation", channels), ("action_repeat", repeat)];
+        let remarks: Vec<(String, String)> =
+            remarks.into_iter().chain(more).map(|(key, value)| (key.to_owned(), value)).collect();
         onnx::file(&onnx::Source { network, parameters, mean, std, clip: *clip, output, remarks: &remarks })
     }
 

@@ -27,8 +27,8 @@ use steps::{Fit, Samples, cost, objective, weights};
 const STD: [f32; 2] = [1e-4, 1.0];
 /// Deviation, before it is made positive, of one that begins as an agent: about 0.13.
 const STARTING_STD: f32 = -2.0;
-/// Control steps of each slot in a round, which is what a report is about and no part of the algorithm.
-const ROUND: usize = 128;
+/// Actions of each slot in a round, which is what a report is about and no part of the algorithm.
+const ROUND: u64 = 128;
 
 /// The learner.
 pub(crate) struct Mpo {
@@ -116,7 +116,7 @@ impl Mpo {
             false => None,
         };
         Ok(Self {
-            discount: settings.discount,
+            discount: settings.action_discount(),
             networks,
             actor,
             critic,
@@ -130,7 +130,8 @@ impl Mpo {
             noise: Noise::new(settings.noise_correlation),
             due: 0.0,
             means: Means::default(),
-            settings: settings.mpo.clone(),
+            // From here on in control steps.
+            settings: MpoSettings { start: settings.mpo.start * settings.action_repeat, ..settings.mpo.clone() },
             critics_first: None,
         })
     }
@@ -145,21 +146,21 @@ impl Mpo {
     }
 
     /// Control steps of a round, in all slots together.
-    pub fn round_steps(&self, slots: usize) -> u64 {
-        (ROUND * slots) as u64
+    pub fn round_steps(&self, play: &Play) -> u64 {
+        ROUND * play.span()
     }
 
     /// Plays, and learns in blocks of gradient steps.
     pub fn round(&mut self, play: &mut Play, settings: &Settings, step: u64) -> Result<Losses, TrainError> {
         let mut before = Vec::new();
         for round in 0..ROUND {
-            let step = step + (round * play.slots()) as u64;
+            let step = step + round * play.span();
             let actions = self.act(play, settings, step);
             before.clear();
             before.extend_from_slice(play.rows());
             play.step(&actions)?;
             if let Some((dep, _)) = &mut self.exploration {
-                dep.count(play.last().ends.len());
+                dep.count(play.outcome().ended.iter().filter(|ended| **ended).count());
             }
             self.remember(play, &before, &actions);
             if step >= self.settings.start as u64 {
@@ -199,16 +200,16 @@ impl Mpo {
         drawn.map(|((mean, std), noise)| mean + std * noise).collect()
     }
 
-    /// Keeps the transitions of a step whose rewards are now known over `steps`, or to the end of their episode.
+    /// Keeps the transitions of an action whose rewards are now known over `steps`, or to the end of their episode.
     fn remember(&mut self, play: &Play, before: &[f64], actions: &[f32]) {
         let ([whole, _], entries, terms) = (play.widths(), play.entries(), play.terms());
-        let (last, values) = (play.last(), play.values());
+        let outcome = play.outcome();
         for (slot, pending) in self.pending.iter_mut().enumerate() {
             let part = slot * whole..(slot + 1) * whole;
             let action = actions[slot * entries..(slot + 1) * entries].to_vec();
-            let values = values[slot * terms..(slot + 1) * terms].to_vec();
+            let values = outcome.values[slot * terms..(slot + 1) * terms].to_vec();
             pending.push_back(Pending { row: before[part.clone()].to_vec(), action, values });
-            let ended = last.ended[slot];
+            let ended = outcome.ended[slot];
             let next = if ended { &play.final_rows } else { play.rows() };
             while !pending.is_empty() && (ended || pending.len() >= self.settings.steps) {
                 // r + gamma r' + ..., term by term, and gamma to the power of their number before the value of what follows.
@@ -219,7 +220,7 @@ impl Mpo {
                 let totals: Vec<f64> = (0..terms).map(sum).collect();
                 let discount = pending.iter().fold(1.0, |product, _| product * self.discount);
                 let Some(first) = pending.pop_front() else { break };
-                let discount = if last.terminated[slot] { 0.0 } else { discount as f32 };
+                let discount = if outcome.terminated[slot] { 0.0 } else { discount as f32 };
                 self.replay.push(&first.row, &first.action, &next[part.clone()], &totals, discount);
             }
         }

@@ -52,8 +52,9 @@ impl Settings {
         for (key, found, range) in numbers {
             checked.number(key, found, range, "")?;
         }
-        let counts: [(&'static str, usize, RangeInclusive<usize>); 24] = [
+        let counts: [(&'static str, usize, RangeInclusive<usize>); 25] = [
             ("episodes", self.episodes, 1..=4096),
+            ("action_repeat", self.action_repeat, 1..=1000),
             ("evaluation_episodes", self.evaluation_episodes, 1..=1000),
             ("checkpoint_every", usize::try_from(self.checkpoint_every).unwrap_or(usize::MAX), 1..=1_000_000_000_000),
             ("horizon", ppo.horizon, 1..=1_000_000),
@@ -91,6 +92,10 @@ impl Settings {
             if self.residual && sizes.iter().any(|size| *size != sizes[0]) {
                 return checked.refuse(key, format!("{sizes:?}"), "blocks of one size, because `residual` adds them up".into());
             }
+        }
+        if self.algorithm == Algorithm::Clone && self.action_repeat > 1 {
+            let expected = "1, because a teacher answers every control step".into();
+            return checked.refuse("action_repeat", self.action_repeat.to_string(), expected);
         }
         if self.algorithm == Algorithm::Ppo && ppo.minibatch > ppo.horizon * self.episodes {
             let all = ppo.horizon * self.episodes;

@@ -99,11 +99,13 @@ pub struct Settings {
     pub residual: bool,
     /// Weight of a reward that comes one control step later: gamma.
     pub discount: f64,
+    /// Control steps that an action lasts for: an agent chooses the next one after that many.
+    pub action_repeat: usize,
     /// Whether networks see observations with running mean 0 and deviation 1.
     pub normalize_observations: bool,
     /// Whether rewards are divided by the running deviation of the discounted return.
     pub normalize_rewards: bool,
-    /// Share of the noise of actions that is left in the next control step: 0 for noise that is new every time.
+    /// Share of the noise of actions that is left in the next one: 0 for noise that is new every time.
     pub noise_correlation: f64,
     /// Control steps from one evaluation to the next.
     pub evaluate_every: u64,
@@ -171,7 +173,7 @@ pub struct SacSettings {
     pub critic_rate: f64,
     /// Transitions that are kept.
     pub replay: usize,
-    /// Transitions with random actions before it learns.
+    /// Transitions with random actions, one for each action, before it learns.
     pub start: usize,
     /// Transitions of a gradient step.
     pub batch: usize,
@@ -298,6 +300,11 @@ impl Settings {
     pub(crate) fn critic_shape(&self, inputs: usize, outputs: usize) -> Shape {
         let shape = self.shape(inputs, outputs);
         if self.critic_hidden.is_empty() { shape } else { Shape { hidden: self.critic_hidden.clone(), ..shape } }
+    }
+
+    /// Weight of a reward that comes one action later.
+    pub(crate) fn action_discount(&self) -> f64 {
+        libm::pow(self.discount, self.action_repeat as f64)
     }
 
     /// Reads a TOML file: keys that it does not set are those of its `algorithm` and its `preset`.

@@ -40,6 +40,7 @@ impl Settings {
             layer_norm: false,
             residual: simba,
             discount: 0.99,
+            action_repeat: 1,
             normalize_observations: true,
             normalize_rewards: algorithm == Algorithm::Ppo,
             noise_correlation: 0.0,
