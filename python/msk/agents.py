@@ -43,8 +43,8 @@ class Agent:
     def act(self, observation: NDArray[Any]) -> NDArray[Any]:
         """The action, float32 in [-1, 1], of shape (entries,) for an observation (numbers,), or (slots, entries) for (slots, numbers).
 
-        An agent whose ``action_repeat`` is more than 1 is meant to be asked in every so many control steps of an episode, from the first one
-        on, and its action to be repeated in between.
+        Of an agent whose ``action_repeat`` is n, call this at the control steps 0, n, 2n and so on of an episode, and repeat the action in
+        between.
         """
         return self._native.act(observation)
 
