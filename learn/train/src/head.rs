@@ -33,12 +33,9 @@ impl Head {
         }
     }
 
-    /// Standard normal numbers that a draw takes.
+    /// Standard normal numbers that a draw takes: one for each output that is not itself a deviation.
     pub fn draws(&self) -> usize {
-        match self {
-            Self::Entries(entries) => *entries,
-            Self::Synergies { synergies, .. } => synergies.outputs(),
-        }
+        self.outputs() - self.degrees()
     }
 
     /// Becomes that of a share of a training.

@@ -9,6 +9,9 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Actions of each slot in a round of a learner that remembers: what a report is about, and no part of an algorithm.
+pub(crate) const ROUND: u64 = 128;
+
 /// Parts of a loss, by name, with their means over the last round.
 pub type Losses = Vec<(&'static str, f64)>;
 

@@ -28,9 +28,7 @@ impl Noise {
         let kept = if self.last.is_empty() { 0.0 } else { self.correlation };
         let fresh = (1.0 - kept * kept).sqrt();
         self.last.resize(count, 0.0);
-        for number in &mut self.last {
-            *number = kept * *number + fresh * chance.normal() as f32;
-        }
+        self.last.iter_mut().zip(normal(chance)).for_each(|(number, new)| *number = kept * *number + fresh * new);
         &self.last
     }
 
@@ -41,6 +39,16 @@ impl Noise {
     pub fn restore(&mut self, state: Numbers) {
         self.last = state.0;
     }
+}
+
+/// Standard normal numbers, each by itself.
+pub(crate) fn normal(chance: &mut Stream) -> impl Iterator<Item = f32> {
+    std::iter::repeat_with(|| chance.normal() as f32)
+}
+
+/// Entries of actions, all equally likely.
+pub(crate) fn uniform(chance: &mut Stream) -> impl Iterator<Item = f32> {
+    std::iter::repeat_with(|| (2.0 * chance.uniform() - 1.0) as f32)
 }
 
 #[cfg(test)]

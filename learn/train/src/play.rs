@@ -4,7 +4,7 @@ use crate::agent::Actor;
 use crate::error::TrainError;
 use crate::settings::Settings;
 use msk_network::{Moments, Normaliser};
-use msk_runtime::episode::{Ending, Engine, Episode, EpisodeEnd, EpisodeKey, VectorEnvironment};
+use msk_runtime::episode::{Ending, Engine, Episode, EpisodeEnd, EpisodeKey, VectorEnvironment, VectorStep};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 
@@ -111,6 +111,13 @@ impl Play {
         &self.rows
     }
 
+    /// Present rows as networks see them.
+    pub fn seen(&self) -> Vec<f32> {
+        let mut seen = vec![0.0; self.rows.len()];
+        self.normalize(&self.rows, &mut seen);
+        seen
+    }
+
     /// Writes rows as networks see them.
     pub fn normalize(&self, rows: &[f64], out: &mut [f32]) {
         self.normaliser.apply(rows, out);
@@ -174,19 +181,25 @@ impl Play {
     /// Takes the control steps of an action in every slot, up to the end of its episode; [`outcome`](Self::outcome) has what came of it.
     pub fn step(&mut self, actions: &[f32]) -> Result<(), TrainError> {
         self.actions.iter_mut().zip(actions).for_each(|(entry, action)| *entry = f64::from(*action));
-        let (terms, [whole, width]) = (self.terms(), self.widths());
+        let (terms, widths) = (self.terms(), self.widths());
         let Self { environment, outcome, ends, .. } = self;
         outcome.rewards.fill(0.0);
         outcome.values.fill(0.0);
         for _ in 0..self.repeat {
-            let over: Vec<bool> = environment.episodes().map(|episode| episode.ending().is_some()).collect();
             let step = environment.step(&self.actions)?;
             ends.extend_from_slice(&step.ends);
             outcome.rewards.iter_mut().zip(&step.rewards).for_each(|(sum, reward)| *sum += reward);
-            let stepped = environment.episodes().enumerate().filter(|(slot, _)| !over[*slot]);
-            for (slot, episode) in stepped.filter(|(_, episode)| !matches!(episode.ending(), Some(Ending::Fault(_)))) {
-                let sums = outcome.values[slot * terms..].iter_mut();
-                sums.zip(&episode.report().terms).for_each(|(sum, value)| *sum += value);
+            for (slot, episode) in environment.episodes().enumerate() {
+                // One that had ended before stays as it was, with the report of its last step.
+                let counts = match episode.ending() {
+                    None => true,
+                    Some(Ending::Fault(_)) => false,
+                    Some(_) => environment.last().ended[slot],
+                };
+                if counts {
+                    let sums = outcome.values[slot * terms..].iter_mut();
+                    sums.zip(&episode.report().terms).for_each(|(sum, value)| *sum += value);
+                }
             }
         }
         let step = environment.last();
@@ -195,7 +208,7 @@ impl Play {
         let flags = step.terminated.iter().zip(&step.truncated);
         outcome.ended.iter_mut().zip(flags).for_each(|(ended, (terminated, truncated))| *ended = *terminated || *truncated);
         if outcome.ended.contains(&true) {
-            beside(&step.observations, &step.critic_observations, [width, whole - width], &mut self.final_rows);
+            rows(step, widths, &mut self.final_rows);
             environment.reset_where(&outcome.ended);
         }
         let Returns { discount, running, moments } = &mut self.returns;
@@ -222,9 +235,8 @@ impl Play {
 
     /// Takes in what the environments show.
     fn look(&mut self) {
-        let [whole, width] = self.widths();
-        let step = self.environment.last();
-        beside(&step.observations, &step.critic_observations, [width, whole - width], &mut self.rows);
+        let widths = self.widths();
+        rows(self.environment.last(), widths, &mut self.rows);
         if self.normalizes[0] {
             self.normaliser.update(&self.rows);
         }
@@ -290,15 +302,16 @@ impl Play {
     }
 }
 
-/// Rows of two arrays beside each other.
-fn beside(left: &[f64], right: &[f64], [a, b]: [usize; 2], out: &mut Vec<f64>) {
+/// Observations with those of the critic beside them, whole rows and what of them the policy sees being so long.
+fn rows(step: &VectorStep, [whole, width]: [usize; 2], out: &mut Vec<f64>) {
+    let (seen, more) = (&step.observations, &step.critic_observations);
     out.clear();
-    if b == 0 {
-        out.extend_from_slice(left);
+    if whole == width {
+        out.extend_from_slice(seen);
         return;
     }
-    for (left, right) in left.chunks_exact(a.max(1)).zip(right.chunks_exact(b)) {
-        out.extend_from_slice(left);
-        out.extend_from_slice(right);
+    for (seen, more) in seen.chunks_exact(width.max(1)).zip(more.chunks_exact(whole - width)) {
+        out.extend_from_slice(seen);
+        out.extend_from_slice(more);
     }
 }

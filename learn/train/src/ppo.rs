@@ -160,9 +160,7 @@ impl Ppo {
     /// nothing follows the end of an episode.
     fn estimate_advantages(&mut self, play: &Play) {
         let ([whole, _], slots) = (play.widths(), play.slots());
-        let mut rows = vec![0.0; slots * whole];
-        play.normalize(play.rows(), &mut rows);
-        let mut next = self.values_of(&rows, whole);
+        let mut next = self.values_of(&play.seen(), whole);
         let Rollout { rewards, values, ended, advantages, returns, .. } = &mut self.rollout;
         let (discount, decay) = (self.discount as f32, (self.discount * self.settings.lambda) as f32);
         advantages.resize(rewards.len(), 0.0);

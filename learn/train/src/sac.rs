@@ -7,8 +7,8 @@
 use crate::agent::Actor;
 use crate::error::TrainError;
 use crate::head::Head;
-use crate::learner::{Losses, Means, Networks, Optimizer};
-use crate::noise::Noise;
+use crate::learner::{Losses, Means, Networks, Optimizer, ROUND};
+use crate::noise::{Noise, normal, uniform};
 use crate::numbers::Numbers;
 use crate::play::Play;
 use crate::replay::Replay;
@@ -22,8 +22,6 @@ use std::sync::Arc;
 
 /// Logarithm of the standard deviation, before squashing, of one that begins as an agent.
 const STARTING_LOG_STD: f32 = -2.0;
-/// Actions of each slot in a round, which is what a report is about and no part of the algorithm.
-const ROUND: u64 = 128;
 
 /// The learner.
 pub(crate) struct Sac {
@@ -47,6 +45,8 @@ pub(crate) struct Sac {
     means: Means,
     /// Factor of the rates at present.
     rate: f64,
+    /// Control steps before which it does not learn.
+    start: u64,
     /// Control steps before which the actor stays as it is, where it begins as an agent.
     critics_first: Option<u64>,
 }
@@ -107,8 +107,8 @@ impl Sac {
             updates: 0,
             means: Means::default(),
             rate: 1.0,
-            // From here on in control steps.
-            settings: SacSettings { start: settings.sac.start * settings.action_repeat, ..settings.sac.clone() },
+            start: settings.control_steps(settings.sac.start),
+            settings: settings.sac.clone(),
             critics_first: None,
         }
     }
@@ -138,7 +138,7 @@ impl Sac {
             before.extend_from_slice(play.rows());
             play.step(&actions)?;
             self.remember(play, &before, &actions);
-            if step >= self.settings.start as u64 {
+            if step >= self.start {
                 self.due += self.settings.updates * play.slots() as f64;
                 while self.due >= 1.0 {
                     self.due -= 1.0;
@@ -153,14 +153,12 @@ impl Sac {
     fn act(&mut self, play: &Play, step: u64) -> Vec<f32> {
         let ([whole, width], slots, entries) = (play.widths(), play.slots(), play.entries());
         let chance = &mut self.chance;
-        if step < self.settings.start as u64 && self.critics_first.is_none() {
-            return (0..slots * entries).map(|_| (2.0 * chance.uniform() - 1.0) as f32).collect();
+        if step < self.start && self.critics_first.is_none() {
+            return uniform(chance).take(slots * entries).collect();
         }
-        let mut rows = vec![0.0; slots * whole];
-        play.normalize(play.rows(), &mut rows);
         let Networks { tape, parameters, .. } = &mut self.networks;
         tape.clear();
-        let seen = tape.constant(slots, whole, rows);
+        let seen = tape.constant(slots, whole, play.seen());
         let mut noise = self.noise.next(slots * self.head.draws(), chance).iter().copied();
         let [action, _] = sample(tape, (&self.head, &self.actor), parameters, (seen, width), &mut noise);
         tape.values(action).to_vec()
@@ -184,7 +182,7 @@ impl Sac {
     fn update(&mut self, play: &Play, step: u64) -> Result<(), TrainError> {
         self.update_critics(play, step)?;
         self.updates += 1;
-        let improves = self.critics_first.is_none_or(|first| step >= self.settings.start as u64 + first);
+        let improves = self.critics_first.is_none_or(|first| step >= self.start + first);
         if improves && self.updates.is_multiple_of(self.settings.actor_delay as u64) {
             for _ in 0..self.settings.actor_delay {
                 self.update_actor(play, step)?;
@@ -224,7 +222,7 @@ impl Sac {
         let Batch { rows, seen, action, next, reward, discounts } = self.batch(play);
         let Networks { tape, parameters, .. } = &mut self.networks;
         tape.set_training(false);
-        let mut noise = std::iter::repeat_with(|| self.chance.normal() as f32);
+        let mut noise = normal(&mut self.chance);
         let [next_action, density] = sample(tape, (&self.head, &self.actor), parameters, (next, width), &mut noise);
         let after = tape.join(next, next_action);
         let [first, second] = [0, 1].map(|index: usize| self.targets[index].forward(tape, parameters, after));
@@ -265,7 +263,7 @@ impl Sac {
         let alpha = self.temperature();
         let Batch { rows, seen, .. } = self.batch(play);
         let Networks { tape, parameters, .. } = &mut self.networks;
-        let mut noise = std::iter::repeat_with(|| self.chance.normal() as f32);
+        let mut noise = normal(&mut self.chance);
         let [action, density] = sample(tape, (&self.head, &self.actor), parameters, (seen, width), &mut noise);
         tape.set_training(false);
         let chosen = tape.join(seen, action);

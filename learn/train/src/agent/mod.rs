@@ -307,11 +307,14 @@ impl Agent {
         let known = &self.description;
         // Strings and numbers always have a JSON form.
         let channels = serde_json::to_string(&known.observation).unwrap_or_default();
-        let (task, repeat) = (known.task.clone(), known.action_repeat.to_string());
-        let remarks = [("task", task), ("task_hash", known.task_hash.clone()), ("body", known.body.clone())];
-        let more = [("observation", channels), ("action_repeat", repeat)];
-        let remarks: Vec<(String, String)> =
-            remarks.into_iter().chain(more).map(|(key, value)| (key.to_owned(), value)).collect();
+        let remarks = [
+            ("task", known.task.clone()),
+            ("task_hash", known.task_hash.clone()),
+            ("body", known.body.clone()),
+            ("observation", channels),
+            ("action_repeat", known.action_repeat.to_string()),
+        ];
+        let remarks = remarks.map(|(key, value)| (key.to_owned(), value));
         onnx::file(&onnx::Source { network, parameters, mean, std, clip: *clip, output, remarks: &remarks })
     }
 

@@ -165,9 +165,9 @@ impl Synergies {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::noise::normal;
     use msk_network::Processor;
-    use msk_runtime::episode::EpisodeKey;
-    use msk_runtime::episode::Stream;
+    use msk_runtime::episode::{EpisodeKey, Stream};
     use std::num::NonZeroUsize;
 
     fn tape() -> Tape {
@@ -212,8 +212,7 @@ mod tests {
             let output = [0.1, -0.2, weights, weights, weights, -1.0, -2.0];
             let seen = tape.constant(1, 7, output);
             let mut chance = Stream::new(EpisodeKey::default(), "test");
-            let mut noise = std::iter::repeat_with(|| chance.normal() as f32);
-            let [action, density] = synergies.sample(&mut tape, seen, &mut noise);
+            let [action, density] = synergies.sample(&mut tape, seen, &mut normal(&mut chance));
             assert_eq!(tape.size(action), [1, 3]);
             tape.values(density)[0].to_bits()
         };

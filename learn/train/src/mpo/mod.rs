@@ -7,8 +7,8 @@ mod steps;
 use crate::agent::{Actor, Output};
 use crate::dep::Dep;
 use crate::error::TrainError;
-use crate::learner::{Losses, Means, Networks, Optimizer};
-use crate::noise::Noise;
+use crate::learner::{Losses, Means, Networks, Optimizer, ROUND};
+use crate::noise::{Noise, uniform};
 use crate::numbers::Numbers;
 use crate::play::Play;
 use crate::replay::{Drawn, Replay};
@@ -27,8 +27,6 @@ use steps::{Fit, Samples, cost, objective, weights};
 const STD: [f32; 2] = [1e-4, 1.0];
 /// Deviation, before it is made positive, of one that begins as an agent: about 0.13.
 const STARTING_STD: f32 = -2.0;
-/// Actions of each slot in a round, which is what a report is about and no part of the algorithm.
-const ROUND: u64 = 128;
 
 /// The learner.
 pub(crate) struct Mpo {
@@ -50,6 +48,8 @@ pub(crate) struct Mpo {
     noise: Noise,
     due: f64,
     means: Means,
+    /// Control steps before which it does not learn.
+    start: u64,
     /// Control steps before which the actor stays as it is, where it begins as an agent.
     critics_first: Option<u64>,
 }
@@ -130,8 +130,8 @@ impl Mpo {
             noise: Noise::new(settings.noise_correlation),
             due: 0.0,
             means: Means::default(),
-            // From here on in control steps.
-            settings: MpoSettings { start: settings.mpo.start * settings.action_repeat, ..settings.mpo.clone() },
+            start: settings.control_steps(settings.mpo.start),
+            settings: settings.mpo.clone(),
             critics_first: None,
         })
     }
@@ -163,7 +163,7 @@ impl Mpo {
                 dep.count(play.outcome().ended.iter().filter(|ended| **ended).count());
             }
             self.remember(play, &before, &actions);
-            if step >= self.settings.start as u64 {
+            if step >= self.start {
                 self.due += self.settings.updates * play.slots() as f64;
                 // A block at a time, as the reference has it.
                 if self.due >= self.settings.block as f64 {
@@ -180,20 +180,17 @@ impl Mpo {
     /// Actions of the present policy, or of what explores; uniform ones before it learns if nothing does.
     fn act(&mut self, play: &Play, settings: &Settings, step: u64) -> Vec<f32> {
         let ([whole, width], slots, entries) = (play.widths(), play.slots(), play.entries());
-        let collecting = step < self.settings.start as u64 && self.critics_first.is_none();
+        let collecting = step < self.start && self.critics_first.is_none();
         if let Some((dep, sensors)) = &mut self.exploration {
             if let Some(actions) = dep.act(&settings.dep, sensors, play.episodes(), collecting) {
                 return actions;
             }
         } else if collecting {
-            let chance = &mut self.chance;
-            return (0..slots * entries).map(|_| (2.0 * chance.uniform() - 1.0) as f32).collect();
+            return uniform(&mut self.chance).take(slots * entries).collect();
         }
-        let mut rows = vec![0.0; slots * whole];
-        play.normalize(play.rows(), &mut rows);
         let Networks { tape, parameters, .. } = &mut self.networks;
         tape.clear();
-        let seen = tape.constant(slots, whole, rows);
+        let seen = tape.constant(slots, whole, play.seen());
         let [mean, std] = policy(tape, &self.actor, parameters, (seen, width));
         let noise = self.noise.next(slots * entries, &mut self.chance);
         let drawn = tape.values(mean).iter().zip(tape.values(std)).zip(noise);
@@ -267,7 +264,7 @@ impl Mpo {
     fn update(&mut self, play: &Play, step: u64) -> Result<(), TrainError> {
         let batch = self.draw(play);
         self.update_critic(play, &batch, step)?;
-        if self.critics_first.is_none_or(|first| step >= self.settings.start as u64 + first) {
+        if self.critics_first.is_none_or(|first| step >= self.start + first) {
             self.update_actor(play, &batch, step)?;
         }
         for (target, network) in self.targets.iter().zip([&self.actor, &self.critic]) {

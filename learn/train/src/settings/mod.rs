@@ -302,6 +302,11 @@ impl Settings {
         if self.critic_hidden.is_empty() { shape } else { Shape { hidden: self.critic_hidden.clone(), ..shape } }
     }
 
+    /// Control steps of one slot after another that so many transitions take.
+    pub(crate) fn control_steps(&self, transitions: usize) -> u64 {
+        (transitions * self.action_repeat) as u64
+    }
+
     /// Weight of a reward that comes one action later.
     pub(crate) fn action_discount(&self) -> f64 {
         libm::pow(self.discount, self.action_repeat as f64)
