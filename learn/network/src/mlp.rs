@@ -192,6 +192,16 @@ impl Mlp {
         self.range.clone()
     }
 
+    /// Makes some of its outputs a constant, whatever comes in: their weights are 0.
+    pub fn fill_outputs(&self, outputs: Range<usize>, constant: f32, parameters: &mut Parameters) {
+        if let Some(last) = self.layers.last() {
+            let values = parameters.values_mut();
+            let weights = outputs.start * last.inputs..outputs.end * last.inputs;
+            values[last.weight.clone()][weights].fill(0.0);
+            values[last.bias.clone()][outputs].fill(constant);
+        }
+    }
+
     /// What it makes of each row of `x`.
     pub fn forward(&self, tape: &mut Tape, parameters: &Parameters, x: Variable) -> Variable {
         let (mut x, mut kept) = (x, x);

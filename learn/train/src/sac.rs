@@ -20,7 +20,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Logarithm of the standard deviation, before squashing, of one that begins as an agent.
+/// Logarithm of the standard deviation, before squashing, of one that begins as an agent or with actions near 0.
 const STARTING_LOG_STD: f32 = -2.0;
 
 /// The learner.
@@ -47,7 +47,7 @@ pub(crate) struct Sac {
     rate: f64,
     /// Control steps before which it does not learn.
     start: u64,
-    /// Control steps before which the actor stays as it is, where it begins as an agent.
+    /// Control steps before which the actor stays as it is, where it begins as an agent or with actions near 0.
     critics_first: Option<u64>,
 }
 
@@ -87,6 +87,10 @@ impl Sac {
         }
         let temperature = networks.parameters.add("temperature", &[1]);
         networks.parameters.values_mut()[temperature.clone()].fill(libm::log(settings.sac.temperature) as f32);
+        if settings.sac.zero_init {
+            actor.fill_outputs(0..head.draws(), 0.0, &mut networks.parameters);
+            actor.fill_outputs(head.draws()..head.outputs(), STARTING_LOG_STD, &mut networks.parameters);
+        }
         let both = critics[0].range().start..critics[1].range().end;
         let optimizer = |range: Range<usize>, decay: f64| Optimizer::new(range, f32::INFINITY, 1e-8).with_decay(decay as f32);
         let decay = settings.sac.weight_decay;
@@ -109,7 +113,7 @@ impl Sac {
             rate: 1.0,
             start: settings.control_steps(settings.sac.start),
             settings: settings.sac.clone(),
-            critics_first: None,
+            critics_first: settings.sac.zero_init.then_some(settings.critics_first),
         }
     }
 

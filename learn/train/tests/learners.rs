@@ -428,6 +428,27 @@ fn a_clone_of_recorded_episodes_acts_as_they_do_and_is_where_others_start() {
 }
 
 #[test]
+fn an_actor_with_zero_init_acts_by_0_until_its_critics_have_learned() {
+    let engine = engine(&[]);
+    let mut tape = msk_network::Tape::new(Arc::new(msk_network::Processor::new(NonZeroUsize::MIN).unwrap()));
+    for algorithm in [Algorithm::Sac, Algorithm::Simba, Algorithm::Dynsyn] {
+        let mut settings = Settings { critics_first: 1000, ..small(algorithm) };
+        settings.sac.zero_init = true;
+        let mut training = training(&engine, &settings, 1);
+        let rounds = std::iter::repeat_with(|| {
+            let losses = training.round().unwrap().losses;
+            let mut action = [f64::NAN];
+            training.agent().actor().act(&mut tape, &[0.3, -0.2], &mut action);
+            (training.step(), action[0], losses.iter().any(|(name, value)| *name == "critics" && *value > 0.0))
+        });
+        let rounds: Vec<_> = rounds.take_while(|(step, ..)| *step < 4000).collect();
+        let first = settings.sac.start as u64 * settings.action_repeat as u64 + settings.critics_first;
+        assert!(rounds.iter().all(|(step, action, _)| (*action == 0.0) == (*step <= first)), "{algorithm:?}: {rounds:?}");
+        assert!(rounds.iter().any(|(step, _, learned)| *step <= first && *learned), "{algorithm:?}: {rounds:?}");
+    }
+}
+
+#[test]
 fn lessons_that_do_not_fit_are_refused() {
     let engine = engine(&[]);
     let refuse = |algorithm: Algorithm, lessons: &Lessons| {

@@ -99,12 +99,7 @@ impl Actor {
     /// learner, whatever is seen.
     pub(crate) fn begin_in(&self, network: &Mlp, all: &mut Parameters, spread: f32) {
         self.copy_to(network, all);
-        if let Some(last) = network.layers().last() {
-            let (own, inputs) = (self.network.shape().outputs, last.inputs);
-            let values = all.values_mut();
-            values[last.weight.clone()][own * inputs..].fill(0.0);
-            values[last.bias.clone()][own..].fill(spread);
-        }
+        network.fill_outputs(self.network.shape().outputs..network.shape().outputs, spread, all);
     }
 
     /// The moments by which it normalises, as if it had seen so many rows.

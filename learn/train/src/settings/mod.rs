@@ -117,7 +117,7 @@ pub struct Settings {
     pub replay_precision: Precision,
     /// Memory of a replay buffer, GiB: it keeps as many transitions as fit, if `replay` asks for more.
     pub replay_memory: f64,
-    /// Control steps for which a training that starts as an agent improves its critics alone.
+    /// Control steps for which a training that starts as an agent, or with `zero_init`, improves its critics alone.
     pub critics_first: u64,
     /// Those of PPO.
     pub ppo: PpoSettings,
@@ -175,6 +175,8 @@ pub struct SacSettings {
     pub replay: usize,
     /// Transitions with random actions, one for each action, before it learns.
     pub start: usize,
+    /// Whether the actor begins with actions near 0 in place of random ones, and stays so for `critics_first` control steps.
+    pub zero_init: bool,
     /// Transitions of a gradient step.
     pub batch: usize,
     /// Gradient steps for each transition.

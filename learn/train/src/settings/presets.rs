@@ -214,6 +214,7 @@ impl Default for SacSettings {
             critic_rate: 1e-3,
             replay: 1_000_000,
             start: 5_000,
+            zero_init: false,
             batch: 256,
             updates: 0.25,
             actor_delay: 2,
