@@ -60,7 +60,7 @@ def ours(task: Path, given: argparse.Namespace, seed: int):
 class Evaluations(BaseCallback):
     """What `ours` gives, of Stable-Baselines3."""
 
-    def __init__(self, judged, every: int):
+    def __init__(self, judged: VecNormalize, every: int):
         super().__init__()
         self.judged, self.every, self.next = judged, every, every
         self.begin, self.rows = time.perf_counter(), []
@@ -69,8 +69,7 @@ class Evaluations(BaseCallback):
         if self.num_timesteps >= self.next:
             seconds = time.perf_counter() - self.begin
             self.next += self.every
-            if isinstance(self.judged, VecNormalize):
-                self.judged.obs_rms = self.training_env.obs_rms
+            self.judged.obs_rms = self.training_env.obs_rms
             mean, _ = evaluate_policy(self.model, self.judged, n_eval_episodes=EVALUATED)
             self.rows.append((self.num_timesteps, seconds, mean))
         return True

@@ -80,6 +80,10 @@ impl Sac {
         let mut networks = Networks::new(kernel);
         let mut draw = Stream::new(EpisodeKey { seed, episode: 0 }, "train/initial");
         let actor = networks.uniform("actor", &settings.shape(width, head.outputs()), &mut draw);
+        if settings.sac.zero_init {
+            actor.fill_outputs(0..head.draws(), 0.0, &mut networks.parameters);
+            actor.fill_outputs(head.draws()..head.outputs(), STARTING_LOG_STD, &mut networks.parameters);
+        }
         let critics = ["critic1", "critic2"].map(|name| networks.uniform(name, &value, &mut draw));
         let targets = ["target1", "target2"].map(|name| networks.uniform(name, &value, &mut draw));
         for (target, critic) in targets.iter().zip(&critics) {
@@ -87,10 +91,6 @@ impl Sac {
         }
         let temperature = networks.parameters.add("temperature", &[1]);
         networks.parameters.values_mut()[temperature.clone()].fill(libm::log(settings.sac.temperature) as f32);
-        if settings.sac.zero_init {
-            actor.fill_outputs(0..head.draws(), 0.0, &mut networks.parameters);
-            actor.fill_outputs(head.draws()..head.outputs(), STARTING_LOG_STD, &mut networks.parameters);
-        }
         let both = critics[0].range().start..critics[1].range().end;
         let optimizer = |range: Range<usize>, decay: f64| Optimizer::new(range, f32::INFINITY, 1e-8).with_decay(decay as f32);
         let decay = settings.sac.weight_decay;

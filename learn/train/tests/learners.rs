@@ -7,13 +7,15 @@ mod repeats;
 mod synergies;
 
 use msk_compiler::compile;
+use msk_network::{Processor, Tape};
 use msk_runtime::action::ActsOn;
 use msk_runtime::episode::{Engine, Environment, EpisodeKey};
 use msk_runtime::library::{BodyLibrary, FileLoader};
 use msk_runtime::policy::{Policy, PolicyContext, PolicyError, PolicyMaker, PolicySource};
 use msk_train::session::{Ended, Observer, Progress, Session};
 use msk_train::{
-    Algorithm, DataSet, Evaluation, Lessons, Precision, Preset, Provenance, ReplaySize, Round, Settings, TrainError, Training,
+    Agent, Algorithm, DataSet, Evaluation, Lessons, Precision, Preset, Provenance, ReplaySize, Round, Settings, TrainError,
+    Training,
 };
 use std::fs;
 use std::num::NonZeroUsize;
@@ -130,6 +132,18 @@ fn played(engine: &Engine, settings: &Settings, threads: usize, rounds: usize, b
         }
     }
     checkpoint(&mut present)
+}
+
+/// A tape for actors.
+fn tape() -> Tape {
+    Tape::new(Arc::new(Processor::new(NonZeroUsize::MIN).unwrap()))
+}
+
+/// What an agent does somewhere.
+fn action(agent: &Agent) -> f64 {
+    let mut action = [f64::NAN];
+    agent.actor().act(&mut tape(), &[0.3, -0.2], &mut action);
+    action[0]
 }
 
 fn checkpoint(training: &mut Training) -> Vec<u8> {
@@ -430,16 +444,13 @@ fn a_clone_of_recorded_episodes_acts_as_they_do_and_is_where_others_start() {
 #[test]
 fn an_actor_with_zero_init_acts_by_0_until_its_critics_have_learned() {
     let engine = engine(&[]);
-    let mut tape = msk_network::Tape::new(Arc::new(msk_network::Processor::new(NonZeroUsize::MIN).unwrap()));
     for algorithm in [Algorithm::Sac, Algorithm::Simba, Algorithm::Dynsyn] {
         let mut settings = Settings { critics_first: 1000, ..small(algorithm) };
         settings.sac.zero_init = true;
         let mut training = training(&engine, &settings, 1);
         let rounds = std::iter::repeat_with(|| {
             let losses = training.round().unwrap().losses;
-            let mut action = [f64::NAN];
-            training.agent().actor().act(&mut tape, &[0.3, -0.2], &mut action);
-            (training.step(), action[0], losses.iter().any(|(name, value)| *name == "critics" && *value > 0.0))
+            (training.step(), action(&training.agent()), losses.iter().any(|(name, value)| *name == "critics" && *value > 0.0))
         });
         let rounds: Vec<_> = rounds.take_while(|(step, ..)| *step < 4000).collect();
         let first = settings.sac.start as u64 * settings.action_repeat as u64 + settings.critics_first;
@@ -494,7 +505,7 @@ fn acts_as_onnx(engine: &Engine, settings: &Settings) {
     let mut network = PolicySource::parse(&format!("network {}", path.display())).unwrap().open(&STOP).unwrap();
     let mut environment = Environment::of(engine.clone());
     network.reset(&environment.context()).unwrap();
-    let mut tape = msk_network::Tape::new(Arc::new(msk_network::Processor::new(NonZeroUsize::MIN).unwrap()));
+    let mut tape = tape();
     let (mut found, mut expected) = (vec![0.0; engine.action_size()], vec![0.0; engine.action_size()]);
     for step in 0..60 {
         network.act(&environment.context(), &mut found).unwrap();
