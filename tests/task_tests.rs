@@ -217,7 +217,7 @@ fn what_does_not_hold_is_reported_with_its_numbers() {
     );
     assert_eq!(
         failure_of("test \"x\" { run nobody for 1 s; expect survived }"),
-        "expected that it runs, found there is no policy `nobody`; choose one of: zero, random, cmc, cmc smooth, demonstration, demonstration smooth, gait"
+        "expected that it runs, found there is no policy `nobody`; choose one of: zero, random, cmc, cmc smooth, demonstration, demonstration smooth, gait, gait smooth"
     );
 }
 

@@ -9,6 +9,7 @@ use msk_program::action::{ActionSpace, ActionTarget, Along, BaseController, Trac
 /// episode begins with. It acts on the muscles, whatever the action space of the task.
 #[derive(Debug, Clone)]
 pub struct ComputedMuscleControl {
+    name: String,
     along: Along,
     lead: Lead,
     pace: Option<Pace>,
@@ -20,30 +21,32 @@ pub struct ComputedMuscleControl {
 
 impl Default for ComputedMuscleControl {
     fn default() -> Self {
-        Self::along(Along::Reference)
+        Self::along(BaseController::MuscleControl.name(), Along::Reference)
     }
 }
 
 impl ComputedMuscleControl {
     /// Follows the schedule of poses with which the task's own tests show that it can succeed.
     pub fn demonstration() -> Self {
-        Self::along(Along::Demonstration)
+        Self::along(BaseController::Demonstration.name(), Along::Demonstration)
     }
 
     /// The same with actions that are a smooth function of the state, which are easier to imitate: each muscle reaches its activation
     /// somewhat later, and relaxes about as fast as it contracts.
     #[must_use]
     pub fn smooth(self) -> Self {
-        Self { lead: Lead::Smooth, ..self }
+        Self { lead: Lead::Smooth, name: self.name + " smooth", ..self }
     }
 
     /// Walks at a pace, whatever the task.
     pub fn gait(pace: Pace) -> Self {
-        Self { pace: Some(pace), ..Self::along(Along::Gait { speed: 0.0, pace: Along::MOST_PACE }) }
+        let name = pace.name().to_owned();
+        let along = Along::Gait { speed: 0.0, pace: Along::MOST_PACE };
+        Self { pace: Some(pace), ..Self::along(&name, along) }
     }
 
-    fn along(along: Along) -> Self {
-        Self { along, lead: Lead::Exact, pace: None, controls: None, memory: ControlMemory::default() }
+    fn along(name: &str, along: Along) -> Self {
+        Self { name: name.to_owned(), along, lead: Lead::Exact, pace: None, controls: None, memory: ControlMemory::default() }
     }
 
     fn unable(&self, error: &ControlError) -> PolicyError {
@@ -53,15 +56,7 @@ impl ComputedMuscleControl {
 
 impl Policy for ComputedMuscleControl {
     fn name(&self) -> &str {
-        if let Some(pace) = &self.pace {
-            return pace.name();
-        }
-        match (self.along, self.lead) {
-            (Along::Demonstration, Lead::Exact) => BaseController::Demonstration.name(),
-            (_, Lead::Exact) => BaseController::MuscleControl.name(),
-            (Along::Demonstration, Lead::Smooth) => "demonstration smooth",
-            (_, Lead::Smooth) => "cmc smooth",
-        }
+        &self.name
     }
 
     fn acts_on(&self) -> ActsOn {

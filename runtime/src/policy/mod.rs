@@ -186,7 +186,8 @@ pub enum PolicyError {
 }
 
 /// The built-in policies.
-pub const NAMES: &[&str] = &["zero", "random", "cmc", "cmc smooth", "demonstration", "demonstration smooth", "gait"];
+pub const NAMES: &[&str] =
+    &["zero", "random", "cmc", "cmc smooth", "demonstration", "demonstration smooth", "gait", "gait smooth"];
 
 /// The name under which results know a policy, given that or a former one that still works.
 pub fn present_name(name: &str) -> &str {
@@ -206,7 +207,11 @@ pub fn create(name: &str) -> Result<Box<dyn Policy>, PolicyError> {
         "cmc smooth" => Ok(Box::new(ComputedMuscleControl::default().smooth())),
         "demonstration smooth" => Ok(Box::new(ComputedMuscleControl::demonstration().smooth())),
         "witness" => Err(PolicyError::Renamed { former: "witness", present: "demonstration" }),
-        gait if gait.split_whitespace().next() == Some("gait") => Ok(Box::new(ComputedMuscleControl::gait(Pace::read(gait)?))),
+        gait if gait.split_whitespace().next() == Some("gait") => {
+            let smooth = gait.strip_suffix(" smooth");
+            let gait = ComputedMuscleControl::gait(Pace::read(smooth.unwrap_or(gait))?);
+            Ok(Box::new(if smooth.is_some() { gait.smooth() } else { gait }))
+        }
         // It is another crate's: this one knows its name for the message.
         plan if plan.split_whitespace().next() == Some("plan") => Err(PolicyError::CommandLineOnly(plan.into())),
         unknown => Err(PolicyError::Unknown(unknown.into())),
@@ -222,6 +227,14 @@ mod tests {
         for name in NAMES {
             assert!(create(name).is_ok(), "{name}");
         }
+    }
+
+    #[test]
+    fn policies_keep_the_name_that_they_were_made_by() {
+        for name in ["cmc", "demonstration smooth", "gait 0.5 0.1", "gait 0.5 smooth", "gait smooth"] {
+            assert_eq!(create(name).map(|policy| policy.name().to_owned()), Ok(name.to_owned()));
+        }
+        assert!(create("gait smooth 0.5").is_err());
     }
 
     #[test]
