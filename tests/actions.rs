@@ -1,7 +1,7 @@
 //! What an action asks for in each action space, and that it asks for the same alone, beside others and from a snapshot.
 
 use super::episodes::episode;
-use msk::runtime::action::{ActionBuffer, ActsOn, REST, excitation};
+use msk::runtime::action::{ActionBuffer, ActsOn, ControlMemory, REST, excitation};
 use msk::runtime::episode::{Ending, Environment, EpisodeKey, Fault};
 use msk::runtime::policy;
 
@@ -70,6 +70,50 @@ fn muscles_of_a_synergy_share_its_action() {
     let control = environment.state().control.clone();
     for (name, action) in [("soleus_l", 0.25), ("gaslat_l", 0.25), ("soleus_r", -0.5), ("recfem_l", 0.75), ("recfem_r", REST)] {
         assert_eq!(control[muscle(&environment, name)], excited(&environment, action), "{name}");
+    }
+}
+
+#[test]
+fn muscles_come_to_the_activations_that_they_are_asked_for() {
+    let mut environment = acting_and("act muscles { of [soleus_{l,r}, recfem_r], activations }", &STILL);
+    let activation = |environment: &Environment, name: &str| {
+        let context = environment.context();
+        let slot = context.model.actuators.muscles().nth(muscle(environment, name)).unwrap().1.activation;
+        environment.state().activation[slot]
+    };
+    // Within reach of a control step of 10 ms; then down by more than muscles relax in it, and up by more than they contract.
+    environment.step(&[-0.6, -0.9, REST]).unwrap();
+    for (name, wanted) in [("soleus_l", 0.2), ("soleus_r", 0.05), ("recfem_r", 0.0), ("recfem_l", 0.0)] {
+        assert!((activation(&environment, name) - wanted).abs() < 1e-6, "{name}");
+    }
+    environment.step(&[-0.64, -0.9, REST]).unwrap();
+    for (name, wanted) in [("soleus_l", 0.18), ("soleus_r", 0.05)] {
+        assert!((activation(&environment, name) - wanted).abs() < 1e-6, "{name}");
+    }
+    environment.step(&[REST, 1.0, REST]).unwrap();
+    let control = |environment: &Environment, name: &str| environment.state().control[muscle(environment, name)];
+    assert_eq!([control(&environment, "soleus_l"), control(&environment, "soleus_r")], [0.0, 1.0]);
+    assert!(0.1 < activation(&environment, "soleus_l") && activation(&environment, "soleus_r") < 0.8);
+}
+
+#[test]
+fn activations_that_a_controller_leads_to_lead_to_the_same_states() {
+    let mut controlled = acting_and("act muscles", &STILL);
+    let mut asked = acting_and("act muscles { activations }", &STILL);
+    let mut policy = policy::create("cmc").unwrap();
+    policy.reset(&controlled.context()).unwrap();
+    let mut muscles = controlled.engine().action(ActsOn::Muscles);
+    let mut memory = ControlMemory::default();
+    for step in 0..20 {
+        policy.act(&controlled.context(), &mut muscles.entries).unwrap();
+        let mut entries = muscles.entries.clone();
+        memory.predict(&controlled.context(), &mut entries);
+        controlled.step(&muscles).unwrap();
+        asked.step(&entries).unwrap();
+        let differences =
+            controlled.state().activation.iter().zip(&asked.state().activation).map(|(one, other)| (one - other).abs());
+        let most = differences.fold(0.0, f64::max);
+        assert!(most < 1e-6, "{most} at step {step}");
     }
 }
 

@@ -207,6 +207,15 @@ fn a_controller_is_cloned_from_its_episodes_and_as_a_teacher() {
         assert!(lines.contains("80 steps: return "), "{lines}");
         project.msk(&["run", task, "--policy", &format!("agent taught-{task}")]).succeeded();
     }
+    // Where actions ask for activations a teacher of excitations is asked what they lead to; recorded ones do not say.
+    project.write("activations.msk", &project.read("synergies.msk").replace("sides }", "sides, activations }"));
+    let clone = ["train", "activations.msk", "--settings", "clone.toml", "--steps", "80"];
+    project.msk(&[&clone[..], &["--teacher", "cmc", "--out", "activations"]].concat()).succeeded();
+    project.msk(&["run", "activations.msk", "--policy", "agent activations"]).succeeded();
+    project.msk(&["collect", "activations.msk", "--policy", "cmc", "--episodes", "1", "--out", "data-activations"]).succeeded();
+    project
+        .msk(&[&clone[..], &["--data", "data-activations"]].concat())
+        .failed(1, &["acts on muscles, and does not say to which activations"]);
     let start = ["train", "lean.msk", "--steps", "2000", "--out", "started", "--start", "recorded-lean.msk"];
     project.msk(&start).succeeded();
     assert!(project.read("started/training.toml").contains("hidden = [32]"));

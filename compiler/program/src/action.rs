@@ -11,6 +11,9 @@ use std::sync::Arc;
 pub struct ActionSpace {
     /// What the entries stand for.
     pub target: ActionTarget,
+    /// Whether entries for muscles ask for activations at the end of the control step, for which excitations are found, instead of
+    /// excitations.
+    pub activations: bool,
     /// Factor of every entry.
     pub scale: f64,
     /// Time constant of the low-pass filter of first order that every entry passes, s; 0 for none.
@@ -140,7 +143,7 @@ impl core::fmt::Debug for BaseNetwork {
 
 impl Default for ActionSpace {
     fn default() -> Self {
-        Self { target: ActionTarget::AllMuscles, scale: 1.0, filter: 0.0, latency: 0, residual: None }
+        Self { target: ActionTarget::AllMuscles, activations: false, scale: 1.0, filter: 0.0, latency: 0, residual: None }
     }
 }
 

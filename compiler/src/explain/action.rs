@@ -15,6 +15,9 @@ pub struct ActionReport {
     /// Their names, in order; empty where there is one for each muscle of the body.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub entries: Vec<String>,
+    /// Whether entries ask for activations in place of excitations.
+    #[serde(skip_serializing_if = "core::ops::Not::not")]
+    pub activations: bool,
     /// The entry that asks for nothing.
     pub rest: f64,
     /// What an entry of 1 asks for, as far as it is more than the action of a muscle: `0.5 rad`, `60 N m`.
@@ -47,6 +50,7 @@ pub(super) fn action(task: &CompiledTask) -> ActionReport {
         space: space.word(),
         size,
         entries: if space.target == ActionTarget::AllMuscles { Vec::new() } else { names },
+        activations: space.activations,
         rest: space.rest(),
         ranges: ranges(space),
         scale: space.scale,
@@ -106,6 +110,7 @@ impl ActionReport {
             _ => "offsets of targets that computed muscle control tracks",
         };
         let mut parts = vec![format!("{}, {of_each}", counted(self.size, ["entry", "entries"]))];
+        parts.extend(self.activations.then(|| "activations at the end of the control step".to_owned()));
         parts.extend(self.along.map(|along| format!("along the {along}")));
         parts.extend(self.speed.map(|speed| format!("at {} m/s", for_people(speed))));
         parts.extend(self.ranges.iter().map(|range| format!("up to {range}")));

@@ -9,6 +9,7 @@ use crate::play::Play;
 use crate::settings::{CloneSettings, Settings};
 use crate::teaching::{Labels, Lesson, Lessons, School};
 use msk_network::{Kernel, Mlp};
+use msk_runtime::action::ActsOn;
 use msk_runtime::episode::{Engine, EpisodeKey, Stream};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
@@ -101,6 +102,11 @@ impl Imitation {
         for set in &lessons.data {
             let refuse = |reason: String| TrainError::Data { name: set.name.clone(), reason };
             let labels = Labels::of(engine, set.acts_on).map_err(refuse)?;
+            if set.acts_on == ActsOn::Muscles && engine.task().action.activations {
+                return Err(refuse(
+                    "acts on muscles, and does not say to which activations: name who acted as the teacher".into(),
+                ));
+            }
             let size = set.acts_on.size(engine.task(), engine.body());
             if set.observations.len() / width != set.actions.len() / size.max(1) {
                 return Err(refuse("has another number of observations than of actions".into()));

@@ -5,7 +5,7 @@ use crate::error::TrainError;
 use msk_network::{Processor, Tape};
 use msk_program::action::ActionTarget;
 use msk_program::digest::hexadecimal;
-use msk_runtime::action::ActionBuffer;
+use msk_runtime::action::{ActionBuffer, ControlMemory};
 use msk_runtime::episode::{Engine, Environment, EpisodeEnd, EpisodeError, EpisodeKey, Stream, single_precision};
 use msk_runtime::policy::{ActsOn, Policy, PolicyError, PolicySource};
 use rayon::prelude::*;
@@ -128,6 +128,7 @@ struct Pupil {
     environment: Environment,
     teacher: Box<dyn Policy>,
     tape: Tape,
+    memory: ControlMemory,
 }
 
 impl School {
@@ -142,7 +143,12 @@ impl School {
         let kernel = Arc::new(Processor::new(NonZeroUsize::MIN)?);
         let pupil = || -> Result<Pupil, TrainError> {
             let environment = Environment::of(engine.clone());
-            Ok(Pupil { environment, teacher: source.open(&NEVER)?, tape: Tape::new(kernel.clone()) })
+            Ok(Pupil {
+                environment,
+                teacher: source.open(&NEVER)?,
+                tape: Tape::new(kernel.clone()),
+                memory: ControlMemory::default(),
+            })
         };
         let pupils = (0..slots).map(|_| pupil()).collect::<Result<_, _>>()?;
         let pool = ThreadPoolBuilder::new().num_threads(threads.get()).build()?;
@@ -182,7 +188,7 @@ enum Refusal {
 
 impl Pupil {
     fn play(&mut self, slot: usize, key: EpisodeKey, actor: &Actor, guided: f64) -> Result<Lesson, Refusal> {
-        let Self { environment, teacher, tape } = self;
+        let Self { environment, teacher, tape, memory } = self;
         environment.reset(key);
         let mut lesson = Lesson { rows: Vec::new(), labels: Vec::new(), end: None };
         teacher.reset(&environment.context()).map_err(Refusal::Policy)?;
@@ -190,11 +196,17 @@ impl Pupil {
         let engine = environment.engine().clone();
         let mut taught = ActionBuffer::new(teacher.acts_on(), engine.task(), engine.body());
         let mut own = ActionBuffer::new(ActsOn::Task, engine.task(), engine.body());
+        let predicts = engine.task().action.activations && teacher.acts_on() == ActsOn::Muscles;
+        let mut asked = Vec::new();
         let mut chance = Stream::new(key, "train/guided");
         while environment.ending().is_none() {
             teacher.act(&environment.context(), &mut taught.entries).map_err(Refusal::Policy)?;
             lesson.rows.extend(environment.observation().iter().copied().map(single_precision));
-            labels.write(teacher.acts_on(), &taught.entries, &mut lesson.labels);
+            asked.clone_from(&taught.entries);
+            if predicts {
+                memory.predict(&environment.context(), &mut asked);
+            }
+            labels.write(teacher.acts_on(), &asked, &mut lesson.labels);
             actor.act(tape, environment.observation(), &mut own.entries);
             let acting = if chance.uniform() < guided { &taught } else { &own };
             environment.step(acting).map_err(Refusal::Episode)?;

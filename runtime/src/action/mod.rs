@@ -3,7 +3,8 @@
 //! 1. Entries of an action of the task's own space are clipped to [-1, 1], scaled, delayed and filtered.
 //! 2. The target of the space makes one action per muscle of them, or torques; computed muscle control and the controller beneath a
 //!    residual look at the present state for that.
-//! 3. The excitation map of the body makes excitations of the actions of muscles.
+//! 3. Where the space asks for activations, such actions give way to those that lead there.
+//! 4. The excitation map of the body makes excitations of the actions of muscles.
 
 mod base;
 mod controls;
@@ -15,7 +16,8 @@ pub(crate) use excitation::action as action_for;
 pub use excitation::{REST, excitation};
 
 use crate::body::Body;
-use crate::cmc::{ControlError, ControlScratch, Moment, Offsets, Present, Tracker, Walk};
+use crate::cmc::{ActivationInverse, ControlError, ControlScratch, Moment, Offsets, Present, Tracker, Walk};
+use crate::policy::PolicyContext;
 use base::Base;
 use delay::Delay;
 use msk_physics::scalar::Real;
@@ -268,6 +270,9 @@ impl ActionState {
             }
             ActionTarget::MuscleControl(_) => {}
         }
+        if space.activations {
+            control.inverse(&moment.present).invert(&moment.present, moment.substeps, muscles);
+        }
     }
 }
 
@@ -276,12 +281,24 @@ impl ActionState {
 pub struct ControlMemory {
     scratch: Option<Box<ControlScratch>>,
     network: Option<Box<Base>>,
+    inverse: Option<Box<ActivationInverse>>,
 }
 
 impl ControlMemory {
     /// What it holds for a model, if a controller has acted.
     pub(crate) fn get_mut(&mut self) -> Option<&mut ControlScratch> {
         self.scratch.as_deref_mut()
+    }
+
+    /// For muscles that are asked for activations.
+    fn inverse(&mut self, present: &Present<'_>) -> &mut ActivationInverse {
+        self.inverse.get_or_insert_with(|| Box::new(ActivationInverse::new(present.model)))
+    }
+
+    /// Replaces actions of muscles by those that ask for the activations to which they lead within the control step.
+    pub fn predict(&mut self, context: &PolicyContext<'_>, muscles: &mut [f64]) {
+        let moment = context.moment();
+        self.inverse(&moment.present).predict(&moment.present, moment.substeps, muscles);
     }
 
     /// Writes the action of a network for each muscle.

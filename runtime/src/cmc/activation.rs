@@ -228,6 +228,15 @@ impl Muscles {
         }
     }
 
+    /// Replaces the excitation of each muscle by the activation at the end of the hold.
+    pub fn predict(&self, hold: Hold, activations: &[f64], excitations: &mut [f64]) {
+        for group in &self.groups {
+            for (excitation, &slot) in excitations[group.places.clone()].iter_mut().zip(&group.activations) {
+                *excitation = hold.activation(activations[slot], *excitation, &group.constants);
+            }
+        }
+    }
+
     fn lead_smoothly(&self, activations: &[f64], [low, high]: [f64; 2], wanted: &mut [f64]) {
         for group in &self.groups {
             let [rising, falling] = smooth_lead(group.constants);

@@ -48,7 +48,7 @@ impl CompiledTask {
 
     /// None where an action is one entry per muscle, as it is without `act`.
     pub(super) fn action_section(&self) -> Option<Section> {
-        let ActionSpace { target, scale, filter, latency, residual } = &self.action;
+        let ActionSpace { target, activations, scale, filter, latency, residual } = &self.action;
         if self.action.is_default() {
             return None;
         }
@@ -93,6 +93,7 @@ impl CompiledTask {
                 }
             }
         };
+        let section = if *activations { section.field("entries", "activations") } else { section };
         let section = section.field("scale", exact(*scale)).field("filter", format!("{} s", exact(*filter)));
         let section = section.field("latency", format!("{latency} steps"));
         Some(residual.iter().fold(section, |section, base| match base {

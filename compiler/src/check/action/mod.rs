@@ -54,6 +54,7 @@ impl<'a> Checker<'a> {
         };
         self.action = ActionSpace {
             target,
+            activations: self.activations(&settings)?,
             scale: self.scale_of(&settings)?,
             filter: self.amount(&settings, "filter", Dimension::TIME, MOST_TIME)?,
             latency: self.latency(&settings)?,
@@ -182,6 +183,21 @@ impl<'a> Checker<'a> {
         }
         // It is at most a thousand.
         Ok(steps as u32)
+    }
+
+    fn activations(&mut self, settings: &Settings<'a>) -> Checked<bool> {
+        let Some(field) = settings.get("activations") else { return Ok(false) };
+        let asked = self.flag_value(field)?;
+        match settings.get("residual") {
+            Some(_) if asked => {
+                let message = "activations cannot be added to the action of a controller";
+                let diagnostic = self
+                    .diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, message)
+                    .help("controllers give excitations: leave out `activations` or `residual`");
+                Err(self.report(diagnostic))
+            }
+            _ => Ok(asked),
+        }
     }
 
     fn base_controller(&mut self, settings: &Settings<'a>) -> Checked<Option<BaseController>> {

@@ -25,8 +25,8 @@ pub struct Setting {
 /// Action spaces.
 #[rustfmt::skip]
 pub const SPACES: &[Space] = &[
-    Space { name: "muscles", description: "the action of each muscle; the space of a task without `act`", required: &[], optional: &["of", "residual"] },
-    Space { name: "synergies", description: "one action for each group of muscles, shared by its muscles", required: &["of"], optional: &["sides", "residual"] },
+    Space { name: "muscles", description: "the action of each muscle; the space of a task without `act`", required: &[], optional: &["of", "activations", "residual"] },
+    Space { name: "synergies", description: "one action for each group of muscles, shared by its muscles", required: &["of"], optional: &["sides", "activations", "residual"] },
     Space { name: "torque", description: "torques on joints, without muscles: for debugging", required: &["joints", "range"], optional: &[] },
     Space { name: "cmc", description: "offsets of the targets that computed muscle control tracks: the motion of a `reference`, or the initial pose; or the pace of a gait", required: &[], optional: &["joints", "range", "com", "root", "reach", "pace", "speed", "along"] },
 ];
@@ -43,6 +43,7 @@ const fn setting(name: &'static str, form: &'static str, description: &'static s
 pub const SETTINGS: &[Setting] = &[
     setting("of", "of [soleus_{l,r}, hamstrings]", "the muscles that are controlled, the others rest; for `synergies`, each element of the list is a group"),
     setting("sides", "sides", "each group is divided into its left and its right muscles"),
+    setting("activations", "activations", "entries ask for the activations that muscles have at the end of the control step, in place of excitations"),
     setting("joints", "joints [legs, lumbar]", "independent hinges of the body"),
     setting("range", "range 0.5 rad, range 60 N*m, or range [60 N*m, 40 N*m]", "what an entry of 1 asks of a joint: an offset of its target, or a torque, one for all joints or one for each"),
     setting("com", "com 10 cm", "three entries that shift the target of the centre of mass forward, left and up in the root's heading"),

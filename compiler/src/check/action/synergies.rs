@@ -4,7 +4,7 @@ use super::spaces::form;
 use crate::action::Synergy;
 use crate::check::context::{Checked, Checker};
 use crate::diagnostics::{Span, codes};
-use crate::syntax::tree::{Expr, ExprKind, Field, FieldValue};
+use crate::syntax::tree::{Expr, ExprKind, Field};
 use crate::vocabulary::Vocabulary;
 
 /// On which side of the body a muscle is.
@@ -21,11 +21,7 @@ impl<'a> Checker<'a> {
         // `of` is required, and its absence has been reported.
         let Some(field) = of else { return Ok(Vec::new()) };
         let expr = self.setting_value(field)?;
-        let divided = match sides.map(|field| (&field.value, field.span)) {
-            None => false,
-            Some((FieldValue::Flag, _)) => true,
-            Some((_, span)) => return Err(self.error(codes::tasks::UNKNOWN_SETTING, span, "`sides` is a flag")),
-        };
+        let divided = sides.map_or(Ok(false), |field| self.flag_value(field))?;
         let alone = std::slice::from_ref(expr);
         let groups = if let ExprKind::List(groups) = &expr.kind { groups.as_slice() } else { alone };
         let mut synergies: Vec<Synergy> = Vec::new();

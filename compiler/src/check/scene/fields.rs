@@ -91,11 +91,16 @@ impl<'a> Checker<'a> {
 
     /// A flag: there, or `true`, or `false`; `otherwise` where it is missing.
     pub(super) fn flag(&mut self, fields: &Fields<'a>, name: &str, otherwise: bool) -> Checked<bool> {
-        match fields.get(name) {
-            None => Ok(otherwise),
-            Some(Field { value: FieldValue::Flag, .. }) => Ok(true),
-            Some(Field { value: FieldValue::Value(Expr { kind: ExprKind::Bool(truth), .. }), .. }) => Ok(*truth),
-            Some(field) => {
+        fields.get(name).map_or(Ok(otherwise), |field| self.flag_value(field))
+    }
+
+    /// What a flag says that is there.
+    pub(crate) fn flag_value(&mut self, field: &'a Field) -> Checked<bool> {
+        match &field.value {
+            FieldValue::Flag => Ok(true),
+            FieldValue::Value(Expr { kind: ExprKind::Bool(truth), .. }) => Ok(*truth),
+            _ => {
+                let name = &field.name.text;
                 let message = format!("`{name}` is a flag");
                 let diagnostic = self
                     .diagnostic(codes::tasks::UNKNOWN_SETTING, field.span, message)
