@@ -20,8 +20,20 @@ macro_rules! built_in {
         )),*]
     };
 }
-const BUILT_IN: [(&str, &str, &[u8]); 7] =
-    built_in!["paced_pole_walk", "paced_walk_turn", "poised_powerlift", "poised_reach", "sit", "squat", "stand"];
+const BUILT_IN: [(&str, &str, &[u8]); 12] = built_in![
+    "paced_open_door",
+    "paced_pole_walk",
+    "paced_run",
+    "paced_slide",
+    "paced_walk",
+    "paced_walk_turn",
+    "poised_powerlift",
+    "poised_reach",
+    "poised_squat",
+    "sit",
+    "squat",
+    "stand"
+];
 
 /// Agents, the best first.
 #[derive(Debug, Clone)]
