@@ -173,7 +173,7 @@ pub enum PolicyError {
         reason: String,
     },
     /// A gait without a sensible pace.
-    #[error("`{text}` {reason}; write `gait FORWARD LEFT TURN` in m/s, m/s and rad/s, at most {}, {} and {}", Along::MOST_PACE[0], Along::MOST_PACE[1], Along::MOST_PACE[2])]
+    #[error("`{text}` {reason}; write `gait FORWARD LEFT TURN` in m/s, m/s and rad/s, at most {}, {} and {}, and `smooth` behind them for actions to imitate", Along::MOST_PACE[0], Along::MOST_PACE[1], Along::MOST_PACE[2])]
     Gait {
         /// As it was written.
         text: String,
