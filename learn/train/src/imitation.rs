@@ -9,7 +9,6 @@ use crate::play::Play;
 use crate::settings::{CloneSettings, Settings};
 use crate::teaching::{Labels, Lesson, Lessons, School};
 use msk_network::{Kernel, Mlp};
-use msk_runtime::action::ActsOn;
 use msk_runtime::episode::{Engine, EpisodeKey, Stream};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
@@ -102,7 +101,7 @@ impl Imitation {
         for set in &lessons.data {
             let refuse = |reason: String| TrainError::Data { name: set.name.clone(), reason };
             let labels = Labels::of(engine, set.acts_on).map_err(refuse)?;
-            if set.acts_on == ActsOn::Muscles && engine.task().action.activations {
+            if labels.need_activations(set.acts_on) {
                 return Err(refuse(
                     "acts on muscles, and does not say to which activations: name who acted as the teacher".into(),
                 ));

@@ -83,6 +83,11 @@ impl Labels {
         Ok(Self { engine: engine.clone() })
     }
 
+    /// Whether the space asks for activations, so that excitations alone do not say what its entries are.
+    pub fn need_activations(&self, acts_on: ActsOn) -> bool {
+        acts_on == ActsOn::Muscles && self.engine.task().action.activations
+    }
+
     /// Entries for an action: muscles of a synergy, which share one, ask for their mean. What the space delays or filters is not undone.
     pub fn write(&self, acts_on: ActsOn, action: &[f64], out: &mut Vec<f32>) {
         let space = &self.engine.task().action;
@@ -196,7 +201,7 @@ impl Pupil {
         let engine = environment.engine().clone();
         let mut taught = ActionBuffer::new(teacher.acts_on(), engine.task(), engine.body());
         let mut own = ActionBuffer::new(ActsOn::Task, engine.task(), engine.body());
-        let predicts = engine.task().action.activations && teacher.acts_on() == ActsOn::Muscles;
+        let predicts = labels.need_activations(teacher.acts_on());
         let mut asked = Vec::new();
         let mut chance = Stream::new(key, "train/guided");
         while environment.ending().is_none() {

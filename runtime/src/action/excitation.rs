@@ -30,6 +30,7 @@ pub fn action(map: ExcitationMap, excitation: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn linear_reaches_from_rest_to_full_excitation() {
@@ -51,6 +52,15 @@ mod tests {
                 assert!((excitation(map, action(map, wanted)) - wanted).abs() < 1e-12);
             }
             assert_eq!([action(map, 0.0), action(map, 1.0)], [-1.0, 1.0]);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn actions_undo_the_excitation_map(given in -1.0..1.0f64) {
+            for map in [ExcitationMap::Linear, ExcitationMap::Sigmoid] {
+                prop_assert!((action(map, excitation(map, given)) - given).abs() < 1e-12);
+            }
         }
     }
 

@@ -324,17 +324,6 @@ pub(super) fn excitation_range(map: ExcitationMap) -> [f64; 2] {
     [excitation(map, -1.0), excitation(map, 1.0)]
 }
 
-/// The action in [-1, 1] that asks for `wanted` excitation, or comes nearest to it.
-pub(super) fn action(map: ExcitationMap, wanted: f64) -> f64 {
-    let [low, high] = excitation_range(map);
-    let wanted = wanted.clip(low, high);
-    let action = match map {
-        ExcitationMap::Linear => 2.0 * wanted - 1.0,
-        ExcitationMap::Sigmoid => 0.5 + 0.2 * libm::log(wanted / (1.0 - wanted)),
-    };
-    action.clip(-1.0, 1.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -410,13 +399,6 @@ mod tests {
             prop_assert!((led(start + change) - start - change).abs() < 1e-12);
             let slower = constants[1] / constants[0];
             prop_assert!((led(start - change) - start + slower * change).abs() < 1e-12);
-        }
-
-        #[test]
-        fn actions_undo_the_excitation_map(given in -1.0..1.0f64) {
-            for map in [ExcitationMap::Linear, ExcitationMap::Sigmoid] {
-                prop_assert!((action(map, excitation(map, given)) - given).abs() < 1e-12);
-            }
         }
     }
 }

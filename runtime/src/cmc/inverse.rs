@@ -1,8 +1,8 @@
 //! Actions that ask for activations in place of excitations: the last step of computed muscle control by itself.
 
 use super::Present;
-use super::activation::{Hold, Lead, Muscles, action, excitation_range};
-use crate::action::excitation;
+use super::activation::{Hold, Lead, Muscles, excitation_range};
+use crate::action::{action_for, excitation};
 use msk_physics::model::Model;
 
 /// A worker's memory for the muscles of one model.
@@ -31,7 +31,7 @@ impl ActivationInverse {
         asked.iter_mut().zip(&*actions).for_each(|(asked, entry)| *asked = excitation(body.excitation, *entry));
         muscles.reach(hold, &state.activation, range, reach);
         muscles.excitations(Lead::Exact, hold, &state.activation, (range, reach), asked);
-        actions.iter_mut().zip(asked).for_each(|(entry, asked)| *entry = action(body.excitation, *asked));
+        actions.iter_mut().zip(asked).for_each(|(entry, asked)| *entry = action_for(body.excitation, *asked));
     }
 
     /// Replaces actions by those that ask for the activations to which they lead.
@@ -40,7 +40,7 @@ impl ActivationInverse {
         let Self { muscles, asked, .. } = self;
         asked.iter_mut().zip(&*actions).for_each(|(asked, entry)| *asked = excitation(body.excitation, *entry));
         muscles.predict(hold(model, substeps), &state.activation, asked);
-        actions.iter_mut().zip(asked).for_each(|(entry, asked)| *entry = action(body.excitation, *asked));
+        actions.iter_mut().zip(asked).for_each(|(entry, asked)| *entry = action_for(body.excitation, *asked));
     }
 }
 

@@ -55,6 +55,7 @@ pub(crate) use offsets::Offsets;
 pub(crate) use scratch::ControlScratch;
 pub(crate) use tracking::{Moment, Tracker};
 
+use crate::action::action_for;
 use crate::body::{Body, OutOfReach};
 use activation::Hold;
 use allocation::{Effort, Memory};
@@ -301,7 +302,7 @@ impl Controller {
         let range = activation::excitation_range(body.excitation);
         muscles.excitations(self.lead, self.hold, &state.activation, (range, reach), asked);
         for (action, &excitation) in action.iter_mut().zip(&*asked) {
-            *action = activation::action(body.excitation, excitation);
+            *action = action_for(body.excitation, excitation);
         }
     }
 }
