@@ -110,7 +110,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     args.condition.apply(std::slice::from_mut(&mut trial))?;
     let engine = trial.engine()?;
     let threads = threads(args.threads);
-    let lessons = args.lessons.lessons(&engine)?;
+    let lessons = args.lessons.lessons(&engine, settings.algorithm)?;
     let interrupt = Interrupt::listen()?;
     let there = args.out.as_deref().map(Session::identity_in).transpose()?.flatten();
     let steps = match (args.budget, there) {

@@ -223,7 +223,22 @@ fn a_controller_is_cloned_from_its_episodes_and_as_a_teacher() {
         project.msk(&[&["train", "lean.msk", "--steps", "100"], more].concat()).failed(1, &[expected]);
     };
     refused(&["--algorithm", "clone"], "there is nothing to imitate");
-    refused(&["--data", "data-lean.msk"], "the algorithm `ppo` learns from rewards");
+    refused(&["--data", "data-lean.msk"], "the algorithm `ppo` learns from what it plays itself");
+    // Learners that remember learn from recorded rewards as well, of the task as it is.
+    project.write(
+        "sac.toml",
+        "algorithm = \"sac\"\nhidden = [16]\nevaluation_episodes = 2\n[sac]\nstart = 100\nbatch = 32\nupdates = 0.05\n",
+    );
+    let beside = ["--settings", "sac.toml", "--steps", "1500", "--data", "data-lean.msk"];
+    project.msk(&[&["train", "lean.msk", "--out", "beside"], &beside[..]].concat()).succeeded();
+    assert!(
+        project.read("beside/training.toml").contains("\"data data-lean.msk (")
+            && project.read("beside/curve.jsonl").contains("\"critics\"")
+    );
+    project.write("changed.msk", &project.read("lean.msk").replace("10    pose", "11    pose"));
+    project
+        .msk(&[&["train", "changed.msk"], &beside[..]].concat())
+        .failed(1, &["has the rewards of another task than `lean`, or of what it was"]);
     refused(&["--algorithm", "clone", "--data", "nowhere"], "`nowhere` holds no data set");
     refused(&["--algorithm", "clone", "--data", "data-synergies.msk", "--start", "nowhere"], "cannot open the folder `nowhere`");
     project

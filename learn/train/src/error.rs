@@ -71,12 +71,15 @@ pub enum TrainError {
     /// Imitation without anything to imitate.
     #[error("there is nothing to imitate: name data sets of `msk collect` with --data, or a policy with --teacher")]
     NoTeacher,
-    /// Something to imitate for an algorithm that learns from rewards.
+    /// A teacher for an algorithm that learns from rewards.
+    #[error("the algorithm `{0}` learns from rewards: --teacher is for `--algorithm clone`, whose agent it can --start as")]
+    NoTeaching(&'static str),
+    /// Recorded episodes for an algorithm that learns from those that it plays.
     #[error(
-        "the algorithm `{0}` learns from rewards: --data and --teacher are for `--algorithm clone`, whose agent it can --start as"
+        "the algorithm `{0}` learns from what it plays itself: --data is for sac, simba, dynsyn, and clone, as whose agent it can --start"
     )]
-    NoImitation(&'static str),
-    /// A data set that cannot be imitated.
+    NoData(&'static str),
+    /// A data set that cannot be learned from.
     #[error("the data set `{name}` {reason}")]
     Data {
         /// Which one.

@@ -7,7 +7,7 @@ use crate::learner::{Losses, Means, Networks, Optimizer};
 use crate::numbers::Numbers;
 use crate::play::Play;
 use crate::settings::{CloneSettings, Settings};
-use crate::teaching::{Labels, Lesson, Lessons, School};
+use crate::teaching::{Lesson, Lessons, School};
 use msk_network::{Kernel, Mlp};
 use msk_runtime::episode::{Engine, EpisodeKey, Stream};
 use serde::{Deserialize, Serialize};
@@ -99,21 +99,14 @@ impl Imitation {
         let mut memory =
             Memory { widths: [width, width + entries], recorded: Vec::new(), played: Vec::new(), capacity: own.memory, next: 0 };
         for set in &lessons.data {
-            let refuse = |reason: String| TrainError::Data { name: set.name.clone(), reason };
-            let labels = Labels::of(engine, set.acts_on).map_err(refuse)?;
-            if labels.need_activations(set.acts_on) {
-                return Err(refuse(
-                    "acts on muscles, and does not say to which activations: name who acted as the teacher".into(),
-                ));
-            }
-            let size = set.acts_on.size(engine.task(), engine.body());
-            if set.observations.len() / width != set.actions.len() / size.max(1) {
-                return Err(refuse("has another number of observations than of actions".into()));
-            }
-            for (row, action) in set.observations.chunks_exact(width).zip(set.actions.chunks_exact(size)) {
-                memory.recorded.extend_from_slice(row);
-                labels.write(set.acts_on, action, &mut memory.recorded);
-                play.saw(row);
+            let (labels, size) = (set.labels(engine)?, set.acts_on.size(engine.task(), engine.body()));
+            for episode in &set.episodes {
+                // The last row is what came of the last action.
+                for (row, action) in set.steps(episode, [width, size])? {
+                    memory.recorded.extend_from_slice(row);
+                    labels.write(set.acts_on, action, &mut memory.recorded);
+                    play.saw_first(row);
+                }
             }
         }
         let school = lessons.teacher.as_ref().map(|teacher| School::new(engine, teacher, (seed, settings.episodes), threads));
@@ -189,7 +182,7 @@ impl Imitation {
             count += lesson.labels.len() as u64;
         }
         for row in lessons.iter().flat_map(|lesson| lesson.rows.chunks_exact(self.memory.widths[0])) {
-            play.saw(row);
+            play.saw_first(row);
         }
         self.means.add("disagreement", sum / count.max(1) as f64);
         self.means.add("guided", guided);

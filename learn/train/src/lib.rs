@@ -30,6 +30,7 @@ mod play;
 mod policy;
 mod ppo;
 mod protobuf;
+mod recorded;
 mod replay;
 mod sac;
 mod sensors;
@@ -46,8 +47,9 @@ pub use evaluate::Evaluation;
 pub use learner::Losses;
 pub use msk_settings::SettingsError;
 pub use policy::{source, source_of};
+pub use recorded::{DataSet, RecordedEpisode, RecordedOutcome};
 pub use settings::{
     Algorithm, CloneSettings, DepSettings, DynsynSettings, MpoSettings, PpoSettings, Precision, Preset, SacSettings, Settings,
 };
-pub use teaching::{DataSet, Lessons};
+pub use teaching::Lessons;
 pub use training::{Identity, Provenance, ReplaySize, Round, Training};

@@ -128,8 +128,15 @@ impl Play {
         self.normaliser.apply_first(self.widths()[1], rows, out);
     }
 
-    /// Takes in a row, without critic channels, that was seen elsewhere.
-    pub fn saw(&mut self, row: &[f32]) {
+    /// Takes in a row that was seen elsewhere.
+    pub fn saw(&mut self, row: &[f64]) {
+        if self.normalizes[0] {
+            self.normaliser.update(row);
+        }
+    }
+
+    /// Takes in a row without critic channels.
+    pub fn saw_first(&mut self, row: &[f32]) {
         if self.normalizes[0] {
             self.normaliser.update_first(row);
         }

@@ -66,6 +66,11 @@ impl Replay {
         Self { layout: Layout { capacity: most.min(fitting), widths, precision }, blocks: VecDeque::new() }
     }
 
+    /// For so many transitions, all of which stay, as far as the settings have memory for them.
+    pub fn with_room(settings: &Settings, count: usize, widths: [usize; 3]) -> Self {
+        Self::new(settings, count.next_multiple_of(BLOCK), widths)
+    }
+
     /// Numbers of a row of observations, of an action, and terms.
     pub fn widths(&self) -> [usize; 3] {
         self.layout.widths
@@ -155,6 +160,17 @@ pub(crate) fn transition_bytes([width, entries, terms]: [usize; 3], precision: P
         Precision::Compact => 2,
     };
     (2 * width + entries) * number + (terms + 1) * 4
+}
+
+impl Drawn {
+    /// Appends others.
+    pub fn append(&mut self, other: Self) {
+        self.rows.extend(other.rows);
+        self.next.extend(other.next);
+        self.actions.extend(other.actions);
+        self.values.extend(other.values);
+        self.discounts.extend(other.discounts);
+    }
 }
 
 impl Layout {

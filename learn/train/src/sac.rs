@@ -37,6 +37,8 @@ pub(crate) struct Sac {
     /// Of actor, critics and temperature.
     optimizers: [Optimizer; 3],
     replay: Replay,
+    /// Recorded transitions, of which half of every batch is.
+    recorded: Option<Replay>,
     chance: Stream,
     noise: Noise,
     /// Gradient steps that are due, and those that were taken.
@@ -105,6 +107,7 @@ impl Sac {
             temperature,
             optimizers,
             replay: Replay::new(settings, settings.sac.replay, [whole, entries, play.terms()]),
+            recorded: None,
             chance: Stream::new(EpisodeKey { seed, episode: 0 }, "train/chance"),
             noise: Noise::new(settings.noise_correlation),
             due: 0.0,
@@ -122,6 +125,11 @@ impl Sac {
     pub fn begin_as(&mut self, actor: &Actor, critics_first: u64) {
         actor.begin_in(&self.actor, &mut self.networks.parameters, STARTING_LOG_STD);
         self.critics_first = Some(critics_first);
+    }
+
+    /// Learns from recorded transitions, too.
+    pub fn remember_recorded(&mut self, recorded: Option<Replay>) {
+        self.recorded = recorded;
     }
 
     /// Control steps of a round, in all slots together.
@@ -202,10 +210,14 @@ impl Sac {
         libm::expf(self.networks.parameters.values()[self.temperature.start])
     }
 
-    /// Draws transitions onto an empty tape.
+    /// Draws transitions onto an empty tape: with recorded ones, half of them from those.
     fn batch(&mut self, play: &Play) -> Batch {
         let ([whole, _], entries, rows) = (play.widths(), play.entries(), self.settings.batch);
-        let drawn = self.replay.draw(rows, &mut self.chance);
+        let of_others = if self.recorded.is_some() { rows / 2 } else { 0 };
+        let mut drawn = self.replay.draw(rows - of_others, &mut self.chance);
+        if let Some(recorded) = &self.recorded {
+            drawn.append(recorded.draw(of_others, &mut self.chance));
+        }
         let reward = play.rewards(&drawn.values, rows);
         let tape = &mut self.networks.tape;
         tape.clear();

@@ -1,16 +1,15 @@
-//! Where actions to be imitated come from: data sets, and a teacher who says what to do in states that the learner has come to.
+//! Where actions to be imitated come from: a teacher says what to do in states that the learner has come to.
 
 use crate::agent::{Actor, Agent};
 use crate::error::TrainError;
+use crate::recorded::DataSet;
 use msk_network::{Processor, Tape};
 use msk_program::action::ActionTarget;
-use msk_program::digest::hexadecimal;
 use msk_runtime::action::{ActionBuffer, ControlMemory};
 use msk_runtime::episode::{Engine, Environment, EpisodeEnd, EpisodeError, EpisodeKey, Stream, single_precision};
 use msk_runtime::policy::{ActsOn, Policy, PolicyError, PolicySource};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use sha2::{Digest, Sha256};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -18,39 +17,15 @@ use std::sync::atomic::AtomicBool;
 /// A teacher is asked to the end of a round: what was asked for is learned from or played anew.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
-/// Recorded episodes: rows of observations, and what was done there.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DataSet {
-    /// What tells it from others, in words.
-    pub name: String,
-    /// Which entries its actions have.
-    pub acts_on: ActsOn,
-    /// One row after the other, as wide as the observation of the task.
-    pub observations: Vec<f32>,
-    /// One action after the other, as many as rows.
-    pub actions: Vec<f64>,
-}
-
 /// What an agent learns from beside the reward of its task.
 #[derive(Debug, Clone, Default)]
 pub struct Lessons {
-    /// Episodes to imitate.
+    /// Episodes to imitate, or to learn from beside its own.
     pub data: Vec<DataSet>,
     /// Who knows what to do.
     pub teacher: Option<PolicySource>,
     /// The agent that it begins as.
     pub start: Option<Arc<Agent>>,
-}
-
-impl DataSet {
-    /// Of a place; results tell two of one place apart.
-    pub fn new(place: &str, acts_on: ActsOn, observations: Vec<f32>, actions: Vec<f64>) -> Self {
-        let mut hasher = Sha256::new();
-        observations.iter().for_each(|value| hasher.update(value.to_bits().to_le_bytes()));
-        actions.iter().for_each(|value| hasher.update(value.to_bits().to_le_bytes()));
-        let name = format!("{place} ({})", hexadecimal(&hasher.finalize()[..4]));
-        Self { name, acts_on, observations, actions }
-    }
 }
 
 impl Lessons {

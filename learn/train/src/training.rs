@@ -10,6 +10,7 @@ use crate::learner::Losses;
 use crate::mpo::{Mpo, MpoState};
 use crate::play::{Play, PlayState};
 use crate::ppo::{Ppo, PpoState};
+use crate::recorded;
 use crate::replay::transition_bytes;
 use crate::sac::{Sac, SacState};
 use crate::settings::{Algorithm, Settings};
@@ -204,8 +205,11 @@ impl Training {
             None => settings.clone(),
         };
         let algorithm = settings.algorithm;
-        if algorithm != Algorithm::Clone && (lessons.teacher.is_some() || !lessons.data.is_empty()) {
-            return Err(TrainError::NoImitation(algorithm.name()));
+        match algorithm {
+            Algorithm::Clone => {}
+            _ if lessons.teacher.is_some() => return Err(TrainError::NoTeaching(algorithm.name())),
+            Algorithm::Ppo | Algorithm::Mpo if !lessons.data.is_empty() => return Err(TrainError::NoData(algorithm.name())),
+            Algorithm::Ppo | Algorithm::Mpo | Algorithm::Sac | Algorithm::Simba | Algorithm::Dynsyn => {}
         }
         let kernel: Arc<dyn Kernel> = Arc::new(Processor::new(threads)?);
         let mut play = Play::new(engine, &settings, seed, threads)?;
@@ -213,7 +217,9 @@ impl Training {
             Algorithm::Ppo => Learner::Ppo(Box::new(Ppo::new(&settings, &play, seed, kernel.clone()))),
             Algorithm::Sac | Algorithm::Simba | Algorithm::Dynsyn => {
                 let head = head(engine, &settings, lessons, seed)?;
-                Learner::Sac(Box::new(Sac::new(&settings, &play, head, seed, kernel.clone())))
+                let mut sac = Sac::new(&settings, &play, head, seed, kernel.clone());
+                sac.remember_recorded(recorded::transitions(&lessons.data, engine, &mut play, &settings)?);
+                Learner::Sac(Box::new(sac))
             }
             Algorithm::Mpo => Learner::Mpo(Box::new(Mpo::new(engine, &settings, &play, seed, kernel.clone())?)),
             Algorithm::Clone => {

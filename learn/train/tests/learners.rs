@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod agents;
+mod recorded;
 mod repeats;
 mod synergies;
 
@@ -14,8 +15,8 @@ use msk_runtime::library::{BodyLibrary, FileLoader};
 use msk_runtime::policy::{Policy, PolicyContext, PolicyError, PolicyMaker, PolicySource};
 use msk_train::session::{Ended, Observer, Progress, Session};
 use msk_train::{
-    Agent, Algorithm, DataSet, Evaluation, Lessons, Precision, Preset, Provenance, ReplaySize, Round, Settings, TrainError,
-    Training,
+    Agent, Algorithm, DataSet, Evaluation, Lessons, Precision, Preset, Provenance, RecordedEpisode, RecordedOutcome, ReplaySize,
+    Round, Settings, TrainError, Training,
 };
 use std::fs;
 use std::num::NonZeroUsize;
@@ -393,26 +394,10 @@ fn every_algorithm_learns_to_hold_a_pendulum() {
     }
 }
 
-/// Episodes of the teacher as `msk collect` keeps them.
-fn recorded(engine: &Engine, episodes: u64) -> DataSet {
-    let mut environment = Environment::of(engine.clone());
-    let (mut observations, mut actions, mut action) = (Vec::new(), Vec::new(), vec![0.0]);
-    for episode in 0..episodes {
-        environment.reset(EpisodeKey { seed: 99, episode });
-        while environment.ending().is_none() {
-            Teacher.act(&environment.context(), &mut action).unwrap();
-            observations.extend(environment.observation().iter().map(|value| *value as f32));
-            actions.extend_from_slice(&action);
-            environment.step(&action).unwrap();
-        }
-    }
-    DataSet::new("recorded", ActsOn::Task, observations, actions)
-}
-
 #[test]
 fn a_clone_of_recorded_episodes_acts_as_they_do_and_is_where_others_start() {
     let engine = engine(&[]);
-    let lessons = Lessons { data: vec![recorded(&engine, 10)], ..Lessons::default() };
+    let lessons = Lessons { data: vec![recorded::episodes(&engine, 10)], ..Lessons::default() };
     for (squash, algorithm) in [(false, Algorithm::Ppo), (true, Algorithm::Sac)] {
         let mut settings = Settings { evaluation_episodes: 20, ..small(Algorithm::Clone) };
         (settings.clone.updates, settings.clone.squash) = (0.3, squash);
@@ -470,7 +455,7 @@ fn lessons_that_do_not_fit_are_refused() {
     assert!(message.starts_with("there is nothing to imitate: name data sets"), "{message}");
     let message = refuse(Algorithm::Ppo, &taught());
     assert!(message.starts_with("the algorithm `ppo` learns from rewards"), "{message}");
-    let muscles = DataSet { acts_on: ActsOn::Muscles, ..recorded(&engine, 1) };
+    let muscles = DataSet { acts_on: ActsOn::Muscles, ..recorded::episodes(&engine, 1) };
     let message = refuse(Algorithm::Clone, &Lessons { data: vec![muscles], ..Lessons::default() });
     assert!(message.contains("acts on muscles, and actions of the task are torque"), "{message}");
     let teacher = Lessons { teacher: Some(PolicySource::built_in("cmc").unwrap()), ..Lessons::default() };

@@ -5,7 +5,7 @@ use crate::EpisodeRecord;
 use crate::npz::NpzWriter;
 use crate::room::{NoRoom, ensure_room};
 use msk_program::task::Channel;
-use msk_runtime::episode::{Ending, Environment, single_precision};
+use msk_runtime::episode::{Environment, single_precision};
 use msk_runtime::policy::{ActsOn, Policy};
 use serde_json::{Value, json};
 use std::io::{self, Cursor};
@@ -55,8 +55,9 @@ impl Recording {
         // A fault leaves no report.
         let contribution = environment.last_weights().iter().zip(&report.terms).map(|(weight, value)| weight * value);
         self.terms.extend(contribution.chain(std::iter::repeat(0.0)).take(environment.weights().len()));
-        self.truncates = matches!(environment.ending(), Some(Ending::Truncated));
-        self.terminates = environment.ending().is_some() && !self.truncates;
+        // As vector environments have it: a learner values what would have followed a truncation.
+        let bootstraps = environment.ending().map(|ending| ending.bootstraps(environment.task()));
+        (self.terminates, self.truncates) = (bootstraps == Some(false), bootstraps == Some(true));
     }
 
     /// The arrays as a NumPy archive, with the actions of all steps.
