@@ -52,11 +52,20 @@ fn tasks_compile_without_a_remark() {
 
 #[test]
 fn further_tasks_compile_without_a_remark() {
-    for file in FURTHER.into_iter().chain(["agents/targets.msk", "agents/activations.msk"]) {
+    for file in FURTHER.into_iter().chain(["agents/targets.msk", "agents/activations.msk", "agents/suite.msk"]) {
         let compilation = compiled(file);
         assert!(compilation.warnings.is_empty(), "{file}: {:#?}", compilation.warnings);
         assert!(!compilation.suites.is_empty(), "{file} has no suite");
     }
+}
+
+/// A task in another action space is named `poised_` or `paced_` and the task of the benchmark.
+#[test]
+fn the_suite_of_the_agents_has_every_task_of_the_benchmark() {
+    let families = |file: &str| compiled(file).suites.remove(0).families;
+    let plain = |name: String| name.trim_start_matches("poised_").trim_start_matches("paced_").to_owned();
+    let played = families("agents/suite.msk").into_iter().map(|(family, tasks)| (family, tasks.into_iter().map(plain).collect()));
+    assert_eq!(played.collect::<Vec<(String, Vec<String>)>>(), families(FILE));
 }
 
 #[test]
