@@ -213,11 +213,14 @@ impl Sac {
     /// Draws transitions onto an empty tape: with recorded ones, half of them from those.
     fn batch(&mut self, play: &Play) -> Batch {
         let ([whole, _], entries, rows) = (play.widths(), play.entries(), self.settings.batch);
-        let of_others = if self.recorded.is_some() { rows / 2 } else { 0 };
-        let mut drawn = self.replay.draw(rows - of_others, &mut self.chance);
-        if let Some(recorded) = &self.recorded {
-            drawn.append(recorded.draw(of_others, &mut self.chance));
-        }
+        let drawn = match &self.recorded {
+            None => self.replay.draw(rows, &mut self.chance),
+            Some(recorded) => {
+                let mut drawn = self.replay.draw(rows - rows / 2, &mut self.chance);
+                drawn.append(recorded.draw(rows / 2, &mut self.chance));
+                drawn
+            }
+        };
         let reward = play.rewards(&drawn.values, rows);
         let tape = &mut self.networks.tape;
         tape.clear();
