@@ -105,6 +105,7 @@ impl DataSet {
         let labels = self.labels(engine)?;
         let ([whole, width], entries, terms) = (play.widths(), play.entries(), play.terms());
         let size = self.acts_on.size(engine.task(), engine.body());
+        let later = single_precision(settings.action_discount());
         for episode in &self.episodes {
             let mut asked = Vec::new();
             self.steps(episode, [width, size])?.for_each(|(_, action)| labels.write(self.acts_on, action, &mut asked));
@@ -131,7 +132,7 @@ impl DataSet {
                 let action = mean(&asked[first * entries..end * entries], entries);
                 let values = sum(&outcome.values[first * terms..end * terms], terms);
                 let ends = outcome.terminated && end == steps;
-                let discount = if ends { 0.0 } else { single_precision(settings.action_discount()) };
+                let discount = if ends { 0.0 } else { later };
                 replay.push(&rows[first], &action, &rows[end], &values, discount);
             }
         }
@@ -157,10 +158,10 @@ pub(crate) fn transitions(
         return Err(first.refuse("has no episodes"));
     }
     let mut replay = Replay::with_room(settings, count, [play.widths()[0], play.entries(), play.terms()]);
-    if replay.capacity() < count {
+    if replay.room() < count {
         return Err(first.refuse(format!(
             "and those beside it have {count} transitions, and there is memory for {}: raise `replay_memory`",
-            replay.capacity()
+            replay.room()
         )));
     }
     for set in data {

@@ -81,6 +81,11 @@ impl Replay {
         self.layout.capacity
     }
 
+    /// Transitions that it holds when the next one makes it forget: whole blocks.
+    pub fn room(&self) -> usize {
+        self.layout.capacity - self.layout.capacity % self.layout.block()
+    }
+
     pub fn len(&self) -> usize {
         let last = self.blocks.back().map_or(0, |block| block.transitions);
         self.blocks.len().saturating_sub(1) * self.layout.block() + last
@@ -281,6 +286,21 @@ mod tests {
         let mut shorter = read();
         shorter.blocks[0].numbers.0.pop();
         assert!(second.restore(shorter).is_err());
+    }
+
+    #[test]
+    fn it_forgets_when_its_room_is_full() {
+        // Blocks of 1, 2 and 2.
+        for (most, room) in [(31, 31), (40, 40), (41, 40)] {
+            let mut replay = replay(most, [1, 1], Precision::Single);
+            assert_eq!(replay.room(), room);
+            let mut push = || {
+                replay.push(&[0.0], &[0.0], &[0.0], &[0.0], 0.9);
+                replay.len()
+            };
+            assert_eq!((0..room).map(|_| push()).last(), Some(room));
+            assert!(push() <= room);
+        }
     }
 
     #[test]
