@@ -118,9 +118,17 @@ fn scene(choices: &mut Choices<'_>) -> String {
     }
 }
 
-/// A formula of a kind, or now and then of another.
+/// A formula of a kind, or now and then of another: in parentheses then, because `0 <= step == 7 < 1` would be a program that
+/// cannot be read, not one with an error of types.
 fn formula(choices: &mut Choices<'_>, kind: Kind, depth: usize) -> String {
-    let kind = if choices.rarely(40) { KINDS[choices.below(KINDS.len())] } else { kind };
+    if choices.rarely(40) {
+        let other = KINDS[choices.below(KINDS.len())];
+        return format!("({})", formula_of(choices, other, depth));
+    }
+    formula_of(choices, kind, depth)
+}
+
+fn formula_of(choices: &mut Choices<'_>, kind: Kind, depth: usize) -> String {
     if depth == 0 {
         return leaf(choices, kind);
     }
