@@ -187,14 +187,56 @@ fn entries_of_a_pace_are_the_policy_of_that_gait() {
     assert_eq!(faster.state(), plain.state(), "with a speed of its own");
 }
 
+/// A test that shows how the task succeeds.
+const SHOWN: (&str, &str) =
+    ("success survived", "success survived\n test \"down\" { at 0.1 s { knee_angle_{l,r} = 30 deg }\n expect success }");
+
+#[test]
+fn a_gait_changes_over_to_the_demonstration_for_good() {
+    let [walking, shown] = ["gait 0.8", "demonstration"].map(|policy| {
+        let mut plain = episode(&[SHOWN]);
+        plain.reset(KEY);
+        play(&mut plain, policy, 10);
+        plain
+    });
+    let act = "act cmc { pace [50 cm/s, 20 cm/s, 1 rad/s], speed 80 cm/s, along demonstration }";
+    let mut environment = acting_and(act, &[SHOWN]);
+    assert_eq!(environment.task().action.names(&environment.task().vocabulary)[3], "demonstration");
+    for _ in 0..10 {
+        environment.step(&[0.0, 0.0, 0.0, 0.5]).unwrap();
+    }
+    assert_eq!(environment.state(), walking.state(), "it walks until the entry is above 0.5");
+    environment.reset(KEY);
+    environment.step(&[0.0, 0.0, 0.0, 0.6]).unwrap();
+    for _ in 0..9 {
+        environment.step(&[1.0, 0.0, 0.0, -1.0]).unwrap();
+    }
+    assert_eq!(environment.state(), shown.state(), "from its beginning, without a `start`");
+    // What it shows takes 0.1 s, and its end is held.
+    let [from_end, later] = ["0.1 s", "1 s"].map(|start| {
+        let mut environment = acting_and(&act.replace(" }", &format!(", start {start} }}")), &[SHOWN]);
+        environment.step(&[0.0, 0.0, 0.0, 1.0]).unwrap();
+        environment.state().clone()
+    });
+    assert_eq!(from_end, later);
+    environment.reset(KEY);
+    environment.step(&[0.0, 0.0, 0.0, 1.0]).unwrap();
+    assert_ne!(environment.state(), &later);
+}
+
+#[test]
+fn a_gait_without_a_demonstration_to_change_over_to_says_so_at_the_reset() {
+    let environment = acting("act cmc { pace [50 cm/s, 20 cm/s, 1 rad/s], along demonstration }");
+    let ending = environment.ending();
+    assert!(matches!(ending, Some(Ending::Fault(Fault::Control(_)))), "{ending:?}");
+}
+
 #[test]
 fn along_the_demonstration_zero_is_the_policy_of_that_name() {
-    let shown =
-        ("success survived", "success survived\n test \"down\" { at 0.1 s { knee_angle_{l,r} = 30 deg }\n expect success }");
-    let mut plain = episode(&[shown]);
+    let mut plain = episode(&[SHOWN]);
     plain.reset(KEY);
     play(&mut plain, "demonstration", 10);
-    let mut environment = acting_and("act cmc { along demonstration, joints knees, range 20 deg }", &[shown]);
+    let mut environment = acting_and("act cmc { along demonstration, joints knees, range 20 deg }", &[SHOWN]);
     for _ in 0..10 {
         environment.step(&[0.0, 0.0]).unwrap();
     }
@@ -328,13 +370,14 @@ fn an_episode_continues_from_a_snapshot_in_every_action_space() {
         "act torque { joints [knees], range 50 N*m, filter 20 ms }",
         "act cmc { joints [knees], range 0.5 rad, com 10 cm, filter 20 ms }",
         "act cmc { pace [1 m/s, 20 cm/s, 0.5 rad/s], reach 60 cm, filter 20 ms }",
+        "act cmc { pace [1 m/s, 20 cm/s, 0.5 rad/s], along demonstration, start 50 ms }",
     ] {
-        let mut environment = acting(act);
+        let mut environment = acting_and(act, &[SHOWN]);
         play(&mut environment, "random", 4);
         let kept = environment.snapshot();
         play(&mut environment, "random", 4);
         let expected = environment.snapshot();
-        let mut other = acting(act);
+        let mut other = acting_and(act, &[SHOWN]);
         other.restore(&kept);
         assert!(other.snapshot() == kept);
         play_on(&mut other, 4);

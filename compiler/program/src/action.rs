@@ -91,12 +91,18 @@ pub enum Along {
         speed: f64,
         /// By how much an entry of 1 changes how fast it walks forward and to its left, m/s, and turns to the left, rad/s.
         pace: [f64; 3],
+        /// The time of the demonstration from which the body goes on with it, s, once an entry of its own asks for that; `None` where there
+        /// is no such entry, and the gait goes on.
+        then: Option<f64>,
     },
 }
 
 impl Along {
     /// The largest speeds of a gait forward and to its left, m/s, and of its turn, rad/s: beyond what it keeps up.
     pub const MOST_PACE: [f64; 3] = [2.0, 1.0, 2.0];
+
+    /// The entry that changes over from a gait to the demonstration does so above this: halfway.
+    pub const CHANGES_OVER: f64 = 0.5;
 }
 
 /// A controller that acts beside a policy.
@@ -205,6 +211,7 @@ impl ActionSpace {
                 let priorities = ["balance", "feet"].into_iter().filter(|_| offsets.priorities > 0.0).map(str::to_owned);
                 let walk = ["forward", "left", "turn"].into_iter().filter(|_| offsets.walks()).map(|axis| format!("walk.{axis}"));
                 let axes = moved(offsets.center_of_mass, "com").chain(moved(offsets.root, "root"));
+                let demonstration = offsets.changes_over_to().map(|_| "demonstration".to_owned());
                 let hand =
                     |&hand: &usize| vocabulary.landmarks.get(hand).map_or_else(String::new, |landmark| landmark.name.clone());
                 let hands = offsets
@@ -212,7 +219,7 @@ impl ActionSpace {
                     .iter()
                     .map(hand)
                     .flat_map(|name| ["forward", "left", "up"].map(|axis| format!("{name}.{axis}")));
-                joints.chain(axes).chain(hands).chain(walk).chain(priorities).collect()
+                joints.chain(axes).chain(hands).chain(walk).chain(demonstration).chain(priorities).collect()
             }
         }
     }
@@ -231,7 +238,8 @@ impl TrackingOffsets {
     pub fn size(&self) -> usize {
         let axes = |range: f64| if range > 0.0 { 3 } else { 0 };
         let (walk, priorities) = (if self.walks() { 3 } else { 0 }, if self.priorities > 0.0 { 2 } else { 0 });
-        self.joints.len() + axes(self.center_of_mass) + axes(self.root) + 3 * self.hands.len() + walk + priorities
+        let demonstration = usize::from(self.changes_over_to().is_some());
+        self.joints.len() + axes(self.center_of_mass) + axes(self.root) + 3 * self.hands.len() + walk + demonstration + priorities
     }
 
     /// Whether the controller is a gait.
@@ -242,6 +250,11 @@ impl TrackingOffsets {
     /// How far entries change the speeds of its gait, forward and left, m/s, and its turn, rad/s; 0 without one.
     pub fn pace(&self) -> [f64; 3] {
         if let Along::Gait { pace, .. } = self.along { pace } else { [0.0; 3] }
+    }
+
+    /// The time of the demonstration from which an entry of its gait goes on with it, s; `None` where no entry does.
+    pub fn changes_over_to(&self) -> Option<f64> {
+        if let Along::Gait { then, .. } = self.along { then } else { None }
     }
 
     /// How fast its gait walks forward where entries are 0, m/s.

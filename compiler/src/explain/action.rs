@@ -38,6 +38,9 @@ pub struct ActionReport {
     /// How fast that gait walks forward where entries are 0, m/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed: Option<f64>,
+    /// The time of the demonstration from which its last entry goes on with it, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub changes_over_to: Option<f64>,
 }
 
 /// The action space of a task.
@@ -45,7 +48,7 @@ pub(super) fn action(task: &CompiledTask) -> ActionReport {
     let space = &task.action;
     let names = space.names(&task.vocabulary);
     let size = names.len();
-    let (along, speed) = along(space);
+    let Targets { along, speed, changes_over_to } = targets(space);
     ActionReport {
         space: space.word(),
         size,
@@ -62,16 +65,26 @@ pub(super) fn action(task: &CompiledTask) -> ActionReport {
         }),
         along,
         speed,
+        changes_over_to,
     }
 }
 
-/// What has the targets of computed muscle control, and how fast a gait goes that does not begin standing.
-fn along(space: &ActionSpace) -> (Option<&'static str>, Option<f64>) {
-    let ActionTarget::MuscleControl(offsets) = &space.target else { return (None, None) };
+/// What has the targets of computed muscle control, how fast a gait goes that does not begin standing, and where it leads.
+#[derive(Default)]
+struct Targets {
+    along: Option<&'static str>,
+    speed: Option<f64>,
+    changes_over_to: Option<f64>,
+}
+
+fn targets(space: &ActionSpace) -> Targets {
+    let ActionTarget::MuscleControl(offsets) = &space.target else { return Targets::default() };
     match offsets.along {
-        Along::Reference => (None, None),
-        Along::Demonstration => (Some("demonstration"), None),
-        Along::Gait { speed, .. } => (Some("gait"), Some(speed).filter(|speed| *speed > 0.0)),
+        Along::Reference => Targets::default(),
+        Along::Demonstration => Targets { along: Some("demonstration"), ..Targets::default() },
+        Along::Gait { speed, then, .. } => {
+            Targets { along: Some("gait"), speed: Some(speed).filter(|speed| *speed != 0.0), changes_over_to: then }
+        }
     }
 }
 
@@ -113,6 +126,7 @@ impl ActionReport {
         parts.extend(self.activations.then(|| "activations at the end of the control step".to_owned()));
         parts.extend(self.along.map(|along| format!("along the {along}")));
         parts.extend(self.speed.map(|speed| format!("at {} m/s", for_people(speed))));
+        parts.extend(self.changes_over_to.map(|start| format!("then along the demonstration from {} s", for_people(start))));
         parts.extend(self.ranges.iter().map(|range| format!("up to {range}")));
         parts.extend((self.scale < 1.0).then(|| format!("scaled by {}", for_people(self.scale))));
         parts.extend((self.filter > 0.0).then(|| format!("filtered with {} s", for_people(self.filter))));

@@ -95,9 +95,10 @@ impl Space {
     /// Which entries of a plan say how fast a gait goes: forward, left, turn. Empty where there is none.
     pub fn pace(&self) -> Range<usize> {
         match &self.action_space().target {
-            // They come before the two of priorities.
+            // They come before that of the demonstration and the two of priorities.
             ActionTarget::MuscleControl(offsets) if offsets.walks() => {
-                let end = offsets.size() - if offsets.priorities > 0.0 { 2 } else { 0 };
+                let priorities = if offsets.priorities > 0.0 { 2 } else { 0 };
+                let end = offsets.size() - priorities - usize::from(offsets.changes_over_to().is_some());
                 end - 3..end
             }
             _ => 0..0,
@@ -217,7 +218,7 @@ fn moved(context: &PolicyContext<'_>, targets: &Targets) -> Result<(ActionSpace,
 /// What has the targets that are moved: the reference or the pose where there is no demonstration.
 fn followed(context: &PolicyContext<'_>, targets: &Targets) -> action::Along {
     match targets.along {
-        Along::Gait => action::Along::Gait { speed: 0.0, pace: targets.pace },
+        Along::Gait => action::Along::Gait { speed: 0.0, pace: targets.pace, then: None },
         Along::Demonstration if demonstrated(context).is_some() => action::Along::Demonstration,
         _ => action::Along::Reference,
     }

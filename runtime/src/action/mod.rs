@@ -336,25 +336,24 @@ fn follows(space: &ActionSpace) -> Option<Along> {
 
 /// Offsets of targets by the entries that move them.
 fn moved(targets: &TrackingOffsets, entries: &[f64]) -> Offsets {
-    let (joints, axes) = entries.split_at(targets.joints.len().min(entries.len()));
-    let mut axes = axes.chunks_exact(3);
-    // Two entries after those that come in threes.
-    let priorities = match (targets.priorities > 0.0, axes.remainder()) {
-        (true, &[balance, feet]) => [balance, feet].map(|entry| targets.priorities * entry),
-        _ => [0.0; 2],
-    };
-    let mut next = |ranges: [f64; 3]| match ranges != [0.0; 3] {
-        true => {
-            axes.next().map_or(Vector3::zeros(), |part| Vector3::from(ranges).component_mul(&Vector3::from_column_slice(part)))
-        }
-        false => Vector3::zeros(),
-    };
-    let (center_of_mass, root) = (next([targets.center_of_mass; 3]), next([targets.root; 3]));
-    let hands = targets.hands.iter().map(|&hand| (hand, next([targets.reach; 3]))).collect();
-    let pace = next(targets.pace());
-    let walk = Walk { velocity: Vector2::new(targets.speed() + pace.x, pace.y), turn: pace.z };
+    let (joints, mut left) = entries.split_at(targets.joints.len().min(entries.len()));
     let joints = targets.joints.iter().zip(joints).map(|(&joint, entry)| (joint, targets.range * entry)).collect();
-    Offsets { joints, center_of_mass, root, hands, priorities, walk }
+    let mut along_axes = |ranges: [f64; 3]| Vector3::from(ranges).component_mul(&Vector3::from(next(&mut left)));
+    let mut if_moved = |range: f64| if range > 0.0 { along_axes([range; 3]) } else { Vector3::zeros() };
+    let (center_of_mass, root) = (if_moved(targets.center_of_mass), if_moved(targets.root));
+    let hands = targets.hands.iter().map(|&hand| (hand, along_axes([targets.reach; 3]))).collect();
+    let pace = if targets.walks() { along_axes(targets.pace()) } else { Vector3::zeros() };
+    let walk = Walk { velocity: Vector2::new(targets.speed() + pace.x, pace.y), turn: pace.z };
+    let changes_over = targets.changes_over_to().is_some_and(|_| next::<1>(&mut left)[0] > Along::CHANGES_OVER);
+    let priorities = if targets.priorities > 0.0 { next(&mut left).map(|entry: f64| targets.priorities * entry) } else { [0.0; 2] };
+    Offsets { joints, center_of_mass, root, hands, priorities, walk, changes_over }
+}
+
+/// The first so many of the entries that are left; 0 where there are fewer.
+fn next<const COUNT: usize>(left: &mut &[f64]) -> [f64; COUNT] {
+    let Some((first, rest)) = left.split_first_chunk() else { return [0.0; COUNT] };
+    *left = rest;
+    *first
 }
 
 /// The share of its way that the output of a low-pass filter of first order goes in `period`, s; all of it without a time constant.

@@ -20,6 +20,8 @@ pub(crate) struct Offsets {
     pub priorities: [f64; 2],
     /// How the body shall walk, where it walks.
     pub walk: Walk,
+    /// Whether a body that walks shall go on with the demonstration instead, from now on.
+    pub changes_over: bool,
 }
 
 /// What counts against the joints in the compromise of wishes.

@@ -1,5 +1,5 @@
 //! What computed muscle control tracks over an episode: the reference motion of the present phase, the script of the demonstration,
-//! or the pose of the initial state.
+//! the pose of the initial state, or a gait, which may lead to the demonstration.
 
 use super::activation::{Hold, Lead};
 use super::goal::Course;
@@ -29,8 +29,10 @@ pub(crate) struct Tracker {
     controller: Option<Controller>,
     /// What is tracked.
     along: Along,
-    /// The phase of the task whose reference is followed, and the step at which it began.
+    /// The phase of the task in which what is followed began, and the step at which it did, where that was not at the reset.
     followed: Option<(u32, u32)>,
+    /// What a gait of this episode changes over to.
+    then: Option<Course>,
 }
 
 impl Tracker {
@@ -55,10 +57,12 @@ impl Tracker {
         let init = task.initial_state(progress);
         let mut controller = Controller::new(&present, &init.coordinates, hold)?;
         if self.along == Along::Demonstration {
-            controller.follow(Some(schedule(moment)?), progress.step, &present);
+            controller.follow(Some(schedule(moment, 0.0)?), progress.step, &present);
         }
-        if let Along::Gait { .. } = self.along {
+        self.then = None;
+        if let Along::Gait { then, .. } = self.along {
             controller.walk(&present)?;
+            self.then = then.map(|start| schedule(moment, start)).transpose()?;
         }
         self.controller = Some(controller);
         self.followed = None;
@@ -94,6 +98,11 @@ impl Tracker {
             let course = begun.map(|(motion, time)| Course::of_motion(motion, time, &init, present.body, present.state));
             controller.follow(course, progress.step, &present);
             self.followed = phase;
+        }
+        // It walks no more from then on: there is nothing left to change over to.
+        if let Some(course) = self.then.take_if(|_| offsets.changes_over) {
+            controller.follow(Some(course), progress.step, &present);
+            self.followed = Some((progress.phase, progress.step));
         }
         controller.ask(&present, progress.step, offsets, scratch);
         Ok(())
@@ -132,12 +141,12 @@ impl PartialEq for Tracker {
     }
 }
 
-/// The schedule of poses with which the task's own tests show that it can succeed.
-fn schedule(moment: &Moment<'_>) -> Result<Course, ControlError> {
+/// The schedule of poses with which the task's own tests show that it can succeed, from `start` on, s.
+fn schedule(moment: &Moment<'_>, start: f64) -> Result<Course, ControlError> {
     let &Moment { task, progress, present: Present { body, model, .. }, .. } = moment;
     let keyframes = task.tests.as_ref().and_then(|tests| tests.demonstration());
     let keyframes = keyframes.ok_or_else(|| ControlError::NoDemonstration { task: task.name.clone() })?;
     let mut scratch = Workspace::new(model);
     let script = Script::new(keyframes, task, progress, model, body, &mut scratch)?;
-    Ok(Course::Script { script: Arc::new(script), start: 0.0, period: 1.0 / task.control_frequency })
+    Ok(Course::Script { script: Arc::new(script), start, period: 1.0 / task.control_frequency })
 }

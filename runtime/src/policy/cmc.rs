@@ -41,7 +41,7 @@ impl ComputedMuscleControl {
     /// Walks at a pace, whatever the task.
     pub fn gait(pace: Pace) -> Self {
         let name = pace.name().to_owned();
-        let along = Along::Gait { speed: 0.0, pace: Along::MOST_PACE };
+        let along = Along::Gait { speed: 0.0, pace: Along::MOST_PACE, then: None };
         Self { pace: Some(pace), ..Self::along(&name, along) }
     }
 

@@ -85,10 +85,11 @@ impl CompiledTask {
                 match offsets.along {
                     Along::Reference => moved,
                     Along::Demonstration => moved.field("along", "demonstration"),
-                    Along::Gait { speed, pace } => {
+                    Along::Gait { speed, pace, then } => {
                         let [forward, left, turn] = pace.map(exact);
                         let moved = moved.field("pace", format!("{forward} m/s, {left} m/s, {turn} rad/s"));
-                        moved.field("speed", format!("{} m/s", exact(speed)))
+                        let moved = moved.field("speed", format!("{} m/s", exact(speed)));
+                        then.iter().fold(moved, |moved, start| moved.field("along", format!("demonstration from {} s", exact(*start))))
                     }
                 }
             }

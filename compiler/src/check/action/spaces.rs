@@ -28,7 +28,7 @@ pub const SPACES: &[Space] = &[
     Space { name: "muscles", description: "the action of each muscle; the space of a task without `act`", required: &[], optional: &["of", "activations", "residual"] },
     Space { name: "synergies", description: "one action for each group of muscles, shared by its muscles", required: &["of"], optional: &["sides", "activations", "residual"] },
     Space { name: "torque", description: "torques on joints, without muscles: for debugging", required: &["joints", "range"], optional: &[] },
-    Space { name: "cmc", description: "offsets of the targets that computed muscle control tracks: the motion of a `reference`, or the initial pose; or the pace of a gait", required: &[], optional: &["joints", "range", "com", "root", "reach", "pace", "speed", "along"] },
+    Space { name: "cmc", description: "offsets of the targets that computed muscle control tracks: the motion of a `reference`, or the initial pose; or the pace of a gait", required: &[], optional: &["joints", "range", "com", "root", "reach", "pace", "speed", "along", "start"] },
 ];
 
 /// Settings of every space.
@@ -50,8 +50,9 @@ pub const SETTINGS: &[Setting] = &[
     setting("root", "root 20 deg", "three entries that turn the target of the root's orientation about its axes forward, left and up"),
     setting("reach", "reach 60 cm", "three entries for each hand: how far it reaches from where it is when the episode begins, forward, left and up in the root's heading"),
     setting("pace", "pace [1 m/s, 20 cm/s, 30 deg/s]", "the body walks, and steps wherever balance needs it: three entries say how fast it goes forward, beyond `speed`, and to the left, and turns to the left"),
-    setting("speed", "speed 0.8 m/s", "how fast a gait goes forward where entries are 0, at first and without a policy"),
-    setting("along", "along demonstration", "what has the targets, in place of a `reference` or the initial pose: the script of the first test that plays up to `expect success`"),
+    setting("speed", "speed 0.8 m/s", "how fast a gait goes forward, or backward where it is negative, where entries are 0, at first and without a policy"),
+    setting("along", "along demonstration", "what has the targets, in place of a `reference` or the initial pose: the script of the first test that plays up to `expect success`; with `pace`, once one more entry, `demonstration`, is above 0.5"),
+    setting("start", "start 1.5 s", "the time of the demonstration from which a body that has walked goes on with it"),
     setting("residual", "residual cmc", "the action is added to that of `cmc`, `demonstration` or a network, `residual \"agent.onnx\"`, muscle by muscle"),
     setting("scale", "scale 0.5", "factor of every entry, above 0 and at most 1"),
     setting("filter", "filter 50 ms", "time constant of a low-pass filter of first order"),

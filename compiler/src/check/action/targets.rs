@@ -1,7 +1,7 @@
 //! The targets of computed muscle control that an action moves: `act cmc { joints legs, range 0.5 rad, com 10 cm }`.
 
 use super::spaces::form;
-use super::{MOST_ANGLE, MOST_LENGTH, Settings};
+use super::{MOST_ANGLE, MOST_LENGTH, MOST_TIME, Settings};
 use crate::action::{ActionTarget, Along, TrackingOffsets};
 use crate::check::context::{Checked, Checker};
 use crate::check::dimension::Dimension;
@@ -42,6 +42,15 @@ impl<'a> Checker<'a> {
 
     /// What has the targets: a gait where there is a pace, what `along` names, or the reference.
     fn along(&mut self, settings: &Settings<'a>) -> Checked<Along> {
+        let followed = self.followed(settings)?;
+        let leads_on = matches!(followed, Along::Demonstration) && settings.get("pace").is_some();
+        if let Some(start) = settings.get("start").filter(|_| !leads_on) {
+            let message = "`start` is where a body that has walked goes on with the demonstration";
+            let diagnostic = self
+                .diagnostic(codes::tasks::MISSING, start.span, message)
+                .help(format!("write `{}, {}, {}`", form("pace"), form("along"), form("start")));
+            return Err(self.report(diagnostic));
+        }
         let Some(pace) = self.pace(settings)? else {
             if let Some(speed) = settings.get("speed") {
                 let message = "`speed` needs `pace`, by how much entries change it";
@@ -49,18 +58,20 @@ impl<'a> Checker<'a> {
                     self.diagnostic(codes::tasks::MISSING, speed.span, message).help(format!("write `{}`", form("pace")));
                 return Err(self.report(diagnostic));
             }
-            return self.followed(settings);
+            return Ok(followed);
         };
-        // It leads the feet to wherever the centre of mass falls; and follows nothing.
-        let [needless, reason] = match (settings.get("com"), settings.get("along")) {
-            (Some(_), _) => ["com", "the steps of a gait say where the centre of mass goes"],
-            (None, Some(_)) => ["along", "a gait follows nothing"],
-            (None, None) => return Ok(Along::Gait { speed: self.speed(settings, pace[0])?, pace }),
+        // It leads the feet to wherever the centre of mass falls; and follows no motion while it walks.
+        let (needless, message, reason) = match (settings.get("com"), settings.get("along")) {
+            (Some(com), _) => (com, "`com` does not go with `pace`", "the steps of a gait say where the centre of mass goes"),
+            (None, Some(along)) if !leads_on => (along, "`along reference` does not go with `pace`", "a gait follows no reference"),
+            _ => {
+                let then = leads_on.then(|| self.amount(settings, "start", Dimension::TIME, MOST_TIME)).transpose()?;
+                return Ok(Along::Gait { speed: self.speed(settings, pace[0])?, pace, then });
+            }
         };
-        let span = settings.get(needless).map_or(settings.act.target.span, |field| field.span);
         let diagnostic = self
-            .diagnostic(codes::tasks::UNKNOWN_SETTING, span, format!("`{needless}` does not go with `pace`"))
-            .help(format!("{reason}: leave out `{needless}` or `pace`"));
+            .diagnostic(codes::tasks::UNKNOWN_SETTING, needless.span, message)
+            .help(format!("{reason}: leave out `{}` or `pace`", needless.name.text));
         Err(self.report(diagnostic))
     }
 
@@ -86,13 +97,18 @@ impl<'a> Checker<'a> {
 
     /// `speed 0.8 m/s`, for a pace that is changed by up to `range`.
     fn speed(&mut self, settings: &Settings<'a>, range: f64) -> Checked<f64> {
-        let speed = self.amount(settings, "speed", Dimension::SPEED, Along::MOST_PACE[0])?;
-        let Some(field) = settings.get("speed").filter(|_| speed + range > Along::MOST_PACE[0]) else { return Ok(speed) };
+        let Some(field) = settings.get("speed") else { return Ok(0.0) };
+        let expr = self.setting_value(field)?;
+        let speed = self.fixed_number(expr, Dimension::SPEED, "`speed`")?;
+        let fastest = speed.abs() + range;
+        if fastest <= Along::MOST_PACE[0] {
+            return Ok(speed);
+        }
         let message = "a gait is asked to go faster than it can";
         let diagnostic = self
             .diagnostic(codes::tasks::OUT_OF_RANGE, field.span, message)
             .expected("`speed` and the first of `pace` come to 2 m/s at most")
-            .found(format!("{} m/s", for_people(speed + range)));
+            .found(format!("{} m/s", for_people(fastest)));
         Err(self.report(diagnostic))
     }
 
