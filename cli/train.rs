@@ -29,6 +29,7 @@ use std::time::{Duration, Instant};
 /// The agent is evaluated every so often, in episodes that it does not learn from; the best by success and the best by return are kept as
 /// folders, which `--policy "agent FOLDER"` of `msk run`, `msk eval` and `msk test` uses. With --out, a folder that contains the same
 /// training is resumed, also after it was killed: its results are those of an undisturbed one, bit for bit, on any number of threads.
+/// With more --steps it goes on beyond its end.
 ///
 /// Exit code 0 after all steps, 1 after a failure, 2 for an invalid command line; 130, 143 or 129 after SIGINT, SIGTERM or SIGHUP, which
 /// keep what was learned.

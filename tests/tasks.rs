@@ -52,7 +52,8 @@ fn tasks_compile_without_a_remark() {
 
 #[test]
 fn further_tasks_compile_without_a_remark() {
-    for file in FURTHER.into_iter().chain(["agents/targets.msk", "agents/activations.msk", "agents/suite.msk"]) {
+    let agents = ["agents/targets.msk", "agents/synergies.msk", "agents/activations.msk", "agents/suite.msk"];
+    for file in FURTHER.into_iter().chain(agents) {
         let compilation = compiled(file);
         assert!(compilation.warnings.is_empty(), "{file}: {:#?}", compilation.warnings);
         assert!(!compilation.suites.is_empty(), "{file} has no suite");

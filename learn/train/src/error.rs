@@ -52,6 +52,20 @@ pub enum TrainError {
         /// Here.
         expected: String,
     },
+    /// More steps for a training whose steps were decided by how many there would be.
+    #[error(
+        "`{folder}` holds a training of {found} steps, which {what} has fitted to their number: it cannot have {expected}; choose another folder with --out, and begin as its agent with --start"
+    )]
+    Longer {
+        /// The folder.
+        folder: String,
+        /// What looks at the share of the steps that has passed.
+        what: &'static str,
+        /// Its steps.
+        found: u64,
+        /// Those that were asked for.
+        expected: u64,
+    },
     /// A file that says of which training a folder is, and is damaged.
     #[error("`{folder}/training.toml` is damaged; remove the folder to begin anew: {reason}")]
     Identity {

@@ -76,6 +76,22 @@ struct Record {
     checkpoints: u64,
 }
 
+impl Record {
+    /// Takes back the evaluation and the checkpoint of the end, where there was one, and the training goes on beyond it.
+    fn forget_end(&mut self, training: &Training) {
+        let [evaluations, checkpoints] = due(training);
+        self.evaluations = self.evaluations.min(evaluations);
+        self.checkpoints = self.checkpoints.min(checkpoints);
+    }
+}
+
+/// Numbers of the evaluation and of the checkpoint that are due: there is one more of each at the end.
+fn due(training: &Training) -> [u64; 2] {
+    let settings = &training.identity().settings;
+    let last = u64::from(training.is_over());
+    [settings.evaluate_every, settings.checkpoint_every].map(|every| training.step() / every.max(1) + last)
+}
+
 /// A training in a folder.
 pub struct Session {
     folder: Folder,
@@ -90,10 +106,10 @@ pub struct Session {
 }
 
 impl Session {
-    /// Begins a training in a folder, or goes on with the one that is there; returns whether there was one.
+    /// Begins a training in a folder, or goes on with the one that is there, which may have had fewer steps; returns whether there was one.
     ///
     /// # Errors
-    /// A folder that cannot be used, that another process uses, or that holds another training.
+    /// A folder that cannot be used, that another process uses, or that holds another training, or one that more steps would have changed.
     pub fn open(path: &Path, training: Training) -> Result<(Self, bool), TrainError> {
         let folder = Folder::create(path)?;
         let lock = folder.try_lock(Path::new("training.lock"))?;
@@ -102,13 +118,13 @@ impl Session {
         let there = folder.read_text(Path::new(IDENTITY), LARGEST_TEXT)?;
         let (record, curve) = match &there {
             Some(text) => resume(&folder, text, &mut training)?,
-            None => {
-                let unusable = |reason: String| TrainError::Checkpoint { folder: path.display().to_string(), reason };
-                let text = toml::to_string(training.identity()).map_err(|error| unusable(error.to_string()))?;
-                folder.replace(Path::new(IDENTITY), text.as_bytes())?;
-                (Record::default(), Vec::new())
-            }
+            None => (Record::default(), Vec::new()),
         };
+        let unusable = |reason: String| TrainError::Checkpoint { folder: path.display().to_string(), reason };
+        let text = toml::to_string(training.identity()).map_err(|error| unusable(error.to_string()))?;
+        if there.as_ref() != Some(&text) {
+            folder.replace(Path::new(IDENTITY), text.as_bytes())?;
+        }
         // Lines after the checkpoint will be written again.
         folder.replace(Path::new(curve::FILE), &curve)?;
         let log = folder.log(curve::FILE)?;
@@ -165,7 +181,7 @@ impl Session {
         let mut lately = Lately::default();
         loop {
             // What is due at a step comes before the next round: a training that was interrupted meanwhile goes on with it.
-            let [evaluations, checkpoints] = self.due();
+            let [evaluations, checkpoints] = due(&self.training);
             if evaluations > self.record.evaluations {
                 let Some(evaluation) = self.evaluate(stop)? else { return self.interrupted() };
                 self.record.evaluations = evaluations;
@@ -196,14 +212,6 @@ impl Session {
             let progress = Progress { step: round.step, steps: self.training.identity().steps, rate, total, success };
             observer.round(&round, &progress);
         }
-    }
-
-    /// Numbers of the evaluation and of the checkpoint that are due: there is one more of each at the end.
-    fn due(&self) -> [u64; 2] {
-        let settings = &self.training.identity().settings;
-        let step = self.training.step();
-        let last = u64::from(self.training.is_over());
-        [settings.evaluate_every, settings.checkpoint_every].map(|every| step / every.max(1) + last)
     }
 
     /// Keeps what there is, if the training can go on from here. Where episodes begin anew at a checkpoint, it goes on from the one that
@@ -297,6 +305,8 @@ fn resume(folder: &Folder, text: &str, training: &mut Training) -> Result<(Recor
     let settings = |identity: &Identity| identity.settings.text().replace('\n', "; ");
     let recorded = |text: &String| if text.is_empty() { "not recorded".to_owned() } else { text.clone() };
     let [there, here] = [&found.provenance, &own.provenance];
+    // What it did was decided without its end in view, so it may go on beyond it.
+    let goes_on = own.steps > found.steps;
     let same: [(&'static str, String, String); 10] = [
         ("task", found.task.clone(), own.task.clone()),
         ("hash of the task", found.task_hash.clone(), own.task_hash.clone()),
@@ -305,12 +315,15 @@ fn resume(folder: &Folder, text: &str, training: &mut Training) -> Result<(Recor
         ("condition of the muscles", recorded(&there.condition), recorded(&here.condition)),
         ("build of the program", recorded(&there.build), recorded(&here.build)),
         ("seed", found.seed.to_string(), own.seed.to_string()),
-        ("number of steps", found.steps.to_string(), own.steps.to_string()),
+        ("number of steps", if goes_on { own.steps } else { found.steps }.to_string(), own.steps.to_string()),
         ("list of lessons", found.lessons.join("; "), own.lessons.join("; ")),
         ("set of settings", settings(&found), settings(own)),
     ];
     if let Some((what, found, expected)) = same.into_iter().find(|(_, found, own)| found != own) {
         return Err(TrainError::Other { folder: shown, what, found, expected });
+    }
+    if let Some(what) = training.sees_its_end().filter(|_| goes_on) {
+        return Err(TrainError::Longer { folder: shown, what, found: found.steps, expected: own.steps });
     }
     // A training that was killed before its first checkpoint begins anew.
     let Some(bytes) = folder.read(Path::new(CHECKPOINT), LARGEST_CHECKPOINT)? else { return Ok((Record::default(), Vec::new())) };
@@ -319,7 +332,8 @@ fn resume(folder: &Folder, text: &str, training: &mut Training) -> Result<(Recor
     let length = length.iter().rev().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte));
     let (record, state) = rest.split_at_checked(usize::try_from(length).unwrap_or(usize::MAX)).ok_or_else(short)?;
     training.restore(&bytes[..bytes.len() - state.len()], state).map_err(unusable)?;
-    let record: Record = rmp_serde::from_slice(record).map_err(|error| unusable(error.to_string()))?;
+    let mut record: Record = rmp_serde::from_slice(record).map_err(|error| unusable(error.to_string()))?;
+    record.forget_end(training);
     let curve = folder.read(Path::new(curve::FILE), LARGEST_TEXT)?.unwrap_or_default();
     let known = usize::try_from(record.curve).unwrap_or(usize::MAX);
     let lacks = || TrainError::Checkpoint {

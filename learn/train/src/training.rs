@@ -288,6 +288,20 @@ impl Training {
         self.step >= self.identity.steps
     }
 
+    /// What looks at the share of the steps that has passed: with more of them, all that was learned would be otherwise.
+    pub(crate) fn sees_its_end(&self) -> Option<&'static str> {
+        let settings = &self.identity.settings;
+        let of_algorithm = match settings.algorithm {
+            Algorithm::Ppo => settings.ppo.anneal.then_some("`anneal` of `[ppo]`"),
+            Algorithm::Sac | Algorithm::Simba => (settings.sac.anneal < 1.0).then_some("`anneal` of `[sac]`"),
+            Algorithm::Dynsyn => Some("`release` of `[dynsyn]`"),
+            Algorithm::Clone => settings.clone.anneal.then_some("`anneal` of `[clone]`"),
+            Algorithm::Mpo => None,
+        };
+        let scheduled = self.engine.task().terms.iter().any(|term| term.schedule.is_some());
+        of_algorithm.or(scheduled.then_some("a weight that changes over the training"))
+    }
+
     /// Plays for a while and learns from it.
     ///
     /// # Errors

@@ -294,6 +294,36 @@ fn copy(folder: &Path) -> tempfile::TempDir {
 }
 
 #[test]
+fn a_training_with_more_steps_goes_on_beyond_its_end() {
+    let engine = engine(&[]);
+    let session = |folder: &Path, settings: &Settings, steps: u64| {
+        let one = NonZeroUsize::MIN;
+        Session::open(folder, Training::new(&engine, settings, (7, steps), one).unwrap()).map(|(session, _)| session)
+    };
+    let rounds = |folder: &Path| curve(folder).into_iter().filter(|line| line.get("evaluation").is_none()).collect::<Vec<_>>();
+    for algorithm in [Algorithm::Sac, Algorithm::Mpo] {
+        let settings = Settings { evaluate_every: 1000, ..session_settings(algorithm) };
+        let [whole, parts] = [tempdir().unwrap(), tempdir().unwrap()];
+        session(whole.path(), &settings, 2000).unwrap().run(&STOP, &mut Silent).unwrap();
+        for steps in [700, 2000] {
+            assert_eq!(session(parts.path(), &settings, steps).unwrap().run(&STOP, &mut Silent).unwrap(), Ended::Whole);
+        }
+        assert!(rounds(parts.path()) == rounds(whole.path()), "{algorithm:?}");
+        let last = |folder: &Path| fs::read(folder.join("last/policy.safetensors")).unwrap();
+        assert!(last(parts.path()) == last(whole.path()), "{algorithm:?}");
+        // One more, at the first end.
+        assert_eq!(curve(parts.path()).len(), curve(whole.path()).len() + 1);
+        let fewer = session(parts.path(), &settings, 900).err().unwrap().to_string();
+        assert!(fewer.contains("its number of steps is 2000, not 900"), "{fewer}");
+    }
+    // Its rates have fallen to 0 by the end.
+    let (folder, settings) = (tempdir().unwrap(), session_settings(Algorithm::Ppo));
+    drop(session(folder.path(), &settings, 900).unwrap());
+    let refused = session(folder.path(), &settings, 2000).err().unwrap().to_string();
+    assert!(refused.contains("a training of 900 steps, which `anneal` of `[ppo]` has fitted to their number"), "{refused}");
+}
+
+#[test]
 fn a_folder_of_another_training_is_refused() {
     let engine = engine(&[]);
     let folder = tempdir().unwrap();

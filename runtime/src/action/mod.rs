@@ -345,7 +345,8 @@ fn moved(targets: &TrackingOffsets, entries: &[f64]) -> Offsets {
     let pace = if targets.walks() { along_axes(targets.pace()) } else { Vector3::zeros() };
     let walk = Walk { velocity: Vector2::new(targets.speed() + pace.x, pace.y), turn: pace.z };
     let changes_over = targets.changes_over_to().is_some_and(|_| next::<1>(&mut left)[0] > Along::CHANGES_OVER);
-    let priorities = if targets.priorities > 0.0 { next(&mut left).map(|entry: f64| targets.priorities * entry) } else { [0.0; 2] };
+    let priorities =
+        if targets.priorities > 0.0 { next(&mut left).map(|entry: f64| targets.priorities * entry) } else { [0.0; 2] };
     Offsets { joints, center_of_mass, root, hands, priorities, walk, changes_over }
 }
 

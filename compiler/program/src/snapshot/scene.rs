@@ -89,7 +89,8 @@ impl CompiledTask {
                         let [forward, left, turn] = pace.map(exact);
                         let moved = moved.field("pace", format!("{forward} m/s, {left} m/s, {turn} rad/s"));
                         let moved = moved.field("speed", format!("{} m/s", exact(speed)));
-                        then.iter().fold(moved, |moved, start| moved.field("along", format!("demonstration from {} s", exact(*start))))
+                        then.iter()
+                            .fold(moved, |moved, start| moved.field("along", format!("demonstration from {} s", exact(*start))))
                     }
                 }
             }

@@ -46,9 +46,8 @@ impl<'a> Checker<'a> {
         let leads_on = matches!(followed, Along::Demonstration) && settings.get("pace").is_some();
         if let Some(start) = settings.get("start").filter(|_| !leads_on) {
             let message = "`start` is where a body that has walked goes on with the demonstration";
-            let diagnostic = self
-                .diagnostic(codes::tasks::MISSING, start.span, message)
-                .help(format!("write `{}, {}, {}`", form("pace"), form("along"), form("start")));
+            let whole = ["pace", "along", "start"].map(form).join(", ");
+            let diagnostic = self.diagnostic(codes::tasks::MISSING, start.span, message).help(format!("write `{whole}`"));
             return Err(self.report(diagnostic));
         }
         let Some(pace) = self.pace(settings)? else {
@@ -63,7 +62,9 @@ impl<'a> Checker<'a> {
         // It leads the feet to wherever the centre of mass falls; and follows no motion while it walks.
         let (needless, message, reason) = match (settings.get("com"), settings.get("along")) {
             (Some(com), _) => (com, "`com` does not go with `pace`", "the steps of a gait say where the centre of mass goes"),
-            (None, Some(along)) if !leads_on => (along, "`along reference` does not go with `pace`", "a gait follows no reference"),
+            (None, Some(along)) if !leads_on => {
+                (along, "`along reference` does not go with `pace`", "a gait follows no reference")
+            }
             _ => {
                 let then = leads_on.then(|| self.amount(settings, "start", Dimension::TIME, MOST_TIME)).transpose()?;
                 return Ok(Along::Gait { speed: self.speed(settings, pace[0])?, pace, then });
