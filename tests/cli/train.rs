@@ -131,8 +131,10 @@ fn what_cannot_be_trained_is_explained() {
     train(&["--algorithm", "dqn"]).failed(2, &["choose one of: ppo, sac, simba, dynsyn, mpo, clone"]);
     train(&["--budget", "soon"]).failed(2, &["`soon` is no time: write 90s, 30m, 2h or 1h30m"]);
     train(&["--settings", "learner.toml", "--steps", "200", "--out", "out"]).succeeded();
+    train(&["--settings", "learner.toml", "--steps", "100", "--out", "out"])
+        .failed(1, &["holds another training: its number of steps is 200, not 100; choose another folder with --out"]);
     train(&["--settings", "learner.toml", "--steps", "400", "--out", "out"])
-        .failed(1, &["holds another training: its number of steps is 200, not 400; choose another folder with --out"]);
+        .failed(1, &["holds a training of 200 steps, which `anneal` of `[ppo]` has fitted to their number: it cannot have 400"]);
     project.write("changed.msk", &project.read("pendulum.msk").replace("0.5 rad)^2", "0.4 rad)^2"));
     project
         .msk(&["run", "changed.msk", "--policy", "agent out"])

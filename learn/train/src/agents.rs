@@ -20,15 +20,17 @@ macro_rules! built_in {
         )),*]
     };
 }
-const BUILT_IN: [(&str, &str, &[u8]); 12] = built_in![
+const BUILT_IN: [(&str, &str, &[u8]); 14] = built_in![
     "paced_open_door",
     "paced_pole_walk",
     "paced_run",
     "paced_slide",
     "paced_walk",
+    "paced_walk_and_sit",
     "paced_walk_turn",
     "poised_powerlift",
     "poised_reach",
+    "poised_single_leg_stand",
     "poised_squat",
     "sit",
     "squat",

@@ -322,7 +322,7 @@ fn resume(folder: &Folder, text: &str, training: &mut Training) -> Result<(Recor
     if let Some((what, found, expected)) = same.into_iter().find(|(_, found, own)| found != own) {
         return Err(TrainError::Other { folder: shown, what, found, expected });
     }
-    if let Some(what) = training.sees_its_end().filter(|_| goes_on) {
+    if let Some(what) = training.depends_on_steps().filter(|_| goes_on) {
         return Err(TrainError::Longer { folder: shown, what, found: found.steps, expected: own.steps });
     }
     // A training that was killed before its first checkpoint begins anew.

@@ -288,8 +288,9 @@ impl Training {
         self.step >= self.identity.steps
     }
 
-    /// What looks at the share of the steps that has passed: with more of them, all that was learned would be otherwise.
-    pub(crate) fn sees_its_end(&self) -> Option<&'static str> {
+    /// The setting or weight that changes with the share of the steps that has passed, if there is one: with more steps, all that was learned would
+    /// be otherwise.
+    pub(crate) fn depends_on_steps(&self) -> Option<&'static str> {
         let settings = &self.identity.settings;
         let of_algorithm = match settings.algorithm {
             Algorithm::Ppo => settings.ppo.anneal.then_some("`anneal` of `[ppo]`"),
