@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Curves of a reference learner on MuJoCo, beside which those of `msk train` stand.
 
-    pip install "gymnasium==1.4.0" "mujoco==4.0.0" "stable-baselines3==2.9.2"
+    pip install "gymnasium[mujoco]==1.4.0" "mujoco==4.0.0" "stable-baselines3==2.9.2"
     python benches/learning/reference.py ppo HalfCheetah-v5 --seed 1 --steps 300000 >> benches/learning/reference.csv
 
 Stable-Baselines3 on Gymnasium's own environment. PPO has the settings of CleanRL's `ppo_continuous_action.py`: one environment, 2048 steps between
