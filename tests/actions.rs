@@ -211,7 +211,7 @@ fn a_gait_changes_over_to_the_demonstration_for_good() {
     for _ in 0..9 {
         environment.step(&[1.0, 0.0, 0.0, -1.0]).unwrap();
     }
-    assert_eq!(environment.state(), shown.state(), "from its beginning, without a `start`");
+    assert_eq!(environment.state(), shown.state(), "from 0 s of the script without a `start`");
     // What it shows takes 0.1 s, and its end is held.
     let [from_end, later] = ["0.1 s", "1 s"].map(|start| {
         let mut environment = acting_and(&act.replace(" }", &format!(", start {start} }}")), &[SHOWN]);

@@ -305,8 +305,6 @@ fn resume(folder: &Folder, text: &str, training: &mut Training) -> Result<(Recor
     let settings = |identity: &Identity| identity.settings.text().replace('\n', "; ");
     let recorded = |text: &String| if text.is_empty() { "not recorded".to_owned() } else { text.clone() };
     let [there, here] = [&found.provenance, &own.provenance];
-    // What it did was decided without its end in view, so it may go on beyond it.
-    let goes_on = own.steps > found.steps;
     let same: [(&'static str, String, String); 10] = [
         ("task", found.task.clone(), own.task.clone()),
         ("hash of the task", found.task_hash.clone(), own.task_hash.clone()),
@@ -315,14 +313,15 @@ fn resume(folder: &Folder, text: &str, training: &mut Training) -> Result<(Recor
         ("condition of the muscles", recorded(&there.condition), recorded(&here.condition)),
         ("build of the program", recorded(&there.build), recorded(&here.build)),
         ("seed", found.seed.to_string(), own.seed.to_string()),
-        ("number of steps", if goes_on { own.steps } else { found.steps }.to_string(), own.steps.to_string()),
+        ("number of steps", found.steps.max(own.steps).to_string(), own.steps.to_string()),
         ("list of lessons", found.lessons.join("; "), own.lessons.join("; ")),
         ("set of settings", settings(&found), settings(own)),
     ];
     if let Some((what, found, expected)) = same.into_iter().find(|(_, found, own)| found != own) {
         return Err(TrainError::Other { folder: shown, what, found, expected });
     }
-    if let Some(what) = training.depends_on_steps().filter(|_| goes_on) {
+    // More steps continue the training, unless an earlier step would have been another one with them.
+    if let Some(what) = training.depends_on_steps().filter(|_| own.steps > found.steps) {
         return Err(TrainError::Longer { folder: shown, what, found: found.steps, expected: own.steps });
     }
     // A training that was killed before its first checkpoint begins anew.
