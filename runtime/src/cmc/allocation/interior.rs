@@ -130,10 +130,10 @@ impl<T: Real> Interior<T> {
                 break;
             }
             if begins_anew {
-                // From a multiplier that belongs to quite another problem the products may go round in a circle.
+                // The products may have gone round in a circle: from a multiplier that belongs to quite another problem, or by steps that are too long.
                 Instructions::default().run(Forget { interior: self, problem, x });
             }
-            let search = Search { interior: self, problem, target, tries: waits };
+            let search = Search { interior: self, problem, target, tries: waits, lowers: begins_anew };
             let found = Instructions::default().run(search);
             self.keep(problem, T::and(waits, found), x, y);
             waits = T::and(waits, T::not(found));
@@ -310,6 +310,22 @@ impl<T: Real> Interior<T> {
         length.at_most(one / shortening)
     }
 
+    /// The length of the step at which the sum of the products is lowest, up to 1: it is of second order in the length, and with steps of x and y of
+    /// one length it may rise again before any of them meets a bound (which linear programs, where Δs Δλ adds up to 0, do not have). Steps that
+    /// always lower it cannot lead back to where they were.
+    #[inline(always)]
+    fn lowest(&self) -> T {
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let (mut slope, mut curvature) = (zero, zero);
+        for &Interval { slack, price, change, price_change, .. } in &self.intervals {
+            T::apart();
+            slope += slack[0] * price_change[0] + slack[1] * price_change[1] + change * (price[0] - price[1]);
+            curvature += change * (price_change[0] - price_change[1]);
+        }
+        let turns = T::and(slope.less(zero), zero.less(curvature));
+        T::select(turns, -slope / (curvature + curvature), one)
+    }
+
     /// Takes the step of what all unknowns share.
     #[inline(always)]
     fn advance_shared(&mut self, stride: &Stride<T>) {
@@ -350,6 +366,8 @@ struct Search<'a, T: Real> {
     problem: &'a Problem<'a, T>,
     target: Target,
     tries: T::Mask,
+    /// Whether no step goes further than to the lowest products, which takes one more pass over the unknowns.
+    lowers: bool,
 }
 
 impl<T: Real> LaneWork for Search<'_, T> {
@@ -358,7 +376,7 @@ impl<T: Real> LaneWork for Search<'_, T> {
 
     #[inline(always)]
     fn run(self) -> T::Mask {
-        let Self { interior, problem, target, tries } = self;
+        let Self { interior, problem, target, tries, lowers } = self;
         interior.begin(problem);
         let zero = T::splat(0.0);
         let residual = T::splat(target.residual) * problem.scale();
@@ -379,7 +397,8 @@ impl<T: Real> LaneWork for Search<'_, T> {
             }
             interior.predict(problem);
             let centre = interior.correct(problem);
-            stride = Stride { length: T::splat(NEARLY) * interior.aim(centre), active };
+            let inside = T::splat(NEARLY) * interior.aim(centre);
+            stride = Stride { length: if lowers { inside.at_most(interior.lowest()) } else { inside }, active };
         }
         for &y in &interior.y {
             T::apart();

@@ -168,6 +168,18 @@ fn unknowns_without_room_stay_where_they_are() {
     }
 }
 
+/// Full steps go round in a circle here, from where they begin at first and from where they do so anew.
+#[test]
+fn opposed_muscles_do_not_send_the_interior_point_method_round_in_a_circle() {
+    let columns = vec![[0.0, 0.0, -30.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 10.0], [0.0, 0.0, 10.0, 0.0, -10.0]];
+    let unknown = |low: f64, high: f64| Unknown { low, high, cost: 0.01 };
+    let unknowns = vec![unknown(0.1, 0.5), unknown(0.5, 1.0), unknown(0.5, 0.6)];
+    let problem = Dense { columns, unknowns, wanted: [100.0, 60.0, 0.0, -40.0, 0.0] };
+    let (x, _) = problem.solve(INTERIOR, &mut Memory::new(ROWS));
+    let (exact, _) = problem.solve(Effort::EXACT, &mut Memory::new(ROWS));
+    x.iter().zip(&exact).for_each(|(x, exact)| assert!((x - exact).abs() < 1e-6, "{x} is not {exact}"));
+}
+
 #[test]
 fn a_single_muscle_meets_a_small_wish_and_saturates_at_a_large_one() {
     let asked = |wanted: f64| {
