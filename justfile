@@ -19,6 +19,12 @@ test:
 test-one NAME:
     cargo test --workspace --test suite {{NAME}}
 
+# The tests with other random cases, ROUNDS times; a failure names its seed
+properties ROUNDS="10":
+    for seed in $(shuf -i 1-4000000000 -n {{ROUNDS}}); do \
+        PROPTEST_RNG_SEED=$seed cargo test --workspace --locked || { echo "PROPTEST_RNG_SEED=$seed"; exit 1; }; \
+    done
+
 # Write snapshots, tables of documents and recorded answers anew; read the difference
 update:
     MSK_UPDATE=1 INSTA_UPDATE=always cargo test --workspace
